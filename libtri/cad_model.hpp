@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libtri/curve.hpp"
+#include "libtri/shape.hpp"
+#include "libtri/surface.hpp"
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+/// One use of an edge by a face: a trimming curve in the face's (u,v), run in the loop's direction.
+struct Coedge {
+  int edge = 0;                          ///< 0-based index into CadModel::edges
+  bool reversed = false;                 ///< the loop runs against the edge's own direction
+  std::shared_ptr<const Curve2> pcurve;  ///< (u,v) over [first, last], in the edge's own direction
+  double first = 0, last = 0;
+  std::vector<Vec2> polyline;            ///< pcurve within the chord tolerance, in the loop's direction, both ends included
+};
+
+/// A closed sequence of coedges; the face's material lies to its left in (u,v) (before `reversed` is applied).
+struct TrimLoop {
+  std::vector<Coedge> coedges;
+  bool outer = false;
+};
+
+/// A trimmed face of any surface type. (u,v) are those of the surface as read.
+struct CadFace {
+  int index = 0;                            ///< 1-based, TopExp::MapShapes order of the shape as read, before sewing
+  std::shared_ptr<const Surface> surface;
+  bool reversed = false;                    ///< the outward normal is -(du x dv)
+  std::vector<TrimLoop> loops;
+  double u_min = 0, u_max = 0, v_min = 0, v_max = 0;  ///< parameter box of the trimmed face
+  double area = 0;                          ///< mm^2
+  std::string name;                         ///< from the file, may be empty
+  std::string surface_type;                 ///< "plane", "cylinder", ... "b-spline"
+  int shell = 0;                            ///< 0-based connected component of the sewn model
+};
+
+/// A curve where faces meet, or a free rim.
+struct CadEdge {
+  std::vector<int> faces;      ///< 0-based positions in CadModel::faces, one entry per use (a seam names its face twice)
+  std::vector<Vec3> polyline;  ///< the curve in space within the chord tolerance; a single point for a degenerate edge
+  double tolerance = 0;        ///< mm, as the file states
+  bool degenerate = false;     ///< a pole: a point in space, a curve in (u,v)
+  int start_vertex = -1, end_vertex = -1;  ///< 0-based ids of topological vertices
+};
+
+/// A face of the file that could not be used.
+struct UnusableFace {
+  int index = 0;       ///< 1-based, as CadFace::index
+  std::string name;
+  std::string reason;
+};
+
+/// The CAD model as trimmed faces in flat arrays, free of OpenCASCADE. Immutable; may be shared between threads.
+struct CadModel {
+  std::vector<CadFace> faces;
+  std::vector<CadEdge> edges;
+  std::vector<UnusableFace> unusable_faces;
+  Vec3 box_min{0, 0, 0}, box_max{0, 0, 0};
+  double diagonal = 0;         ///< mm, of the tight bounding box
+  Shape shape;                 ///< the shape after sewing, for what still needs OpenCASCADE
+};
+
+/// Reads the faces, trimming loops and adjacency of `shape` (sewn as `sewn()` says, where it has no topology of its own).
+/// @throws CadError if no face is usable.
+CadModel make_cad_model(const Shape& shape, double sew_tolerance = 0.01);
+
+}  // namespace tri
