@@ -37,6 +37,7 @@ struct CadFace {
   double area = 0;                          ///< mm^2
   std::string name;                         ///< from the file, may be empty
   std::string surface_type;                 ///< "plane", "cylinder", ... "b-spline"
+  int shape_face = 0;                       ///< 1-based, TopExp::MapShapes order of CadModel::shape (after sewing)
   int shell = 0;                            ///< 0-based connected component of the sewn model
 };
 
