@@ -1,13 +1,10 @@
 #include "io/cad_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <sstream>
 
 #include <BRepBuilderAPI_NurbsConvert.hxx>
@@ -21,6 +18,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <fmt/format.h>
 
+#include "io/atomic_file.hpp"
 #include "io/cad_transfer.hpp"
 #include "io/occt_session.hpp"
 #include "libtri/shape_occt.hpp"
@@ -97,9 +95,22 @@ Format tell_format(const std::string& path) {
                                : std::string("is no IGES, STEP or BREP file"));
 }
 
+/// OpenCASCADE's BREP readers complain on std::cout itself.
+class MutedOutput {
+ public:
+  MutedOutput() : saved_(std::cout.rdbuf(nullptr)) {}
+  ~MutedOutput() { std::cout.rdbuf(saved_); }
+  MutedOutput(const MutedOutput&) = delete;
+  MutedOutput& operator=(const MutedOutput&) = delete;
+
+ private:
+  std::streambuf* saved_;
+};
+
 CadTransfer transfer_brep(const std::string& path, bool binary) {
   CadTransfer result;
   std::ifstream in(path, std::ios::binary);
+  const MutedOutput muted;
   if (binary) {
     BinTools::Read(result.shape, in);
   } else {
@@ -109,26 +120,6 @@ CadTransfer transfer_brep(const std::string& path, bool binary) {
   if (result.shape.IsNull()) throw IoError(path, "cannot be parsed as BREP (its content is malformed or ends early)");
   return result;
 }
-
-/// A file that appears whole under its name or not at all, filled by OpenCASCADE by name.
-class OutputFile {
- public:
-  explicit OutputFile(std::string path) : path_(std::move(path)), temporary_(path_ + ".part") {}
-  ~OutputFile() {
-    if (!temporary_.empty()) ::unlink(temporary_.c_str());
-  }
-  const std::string& temporary_path() const { return temporary_; }
-  void commit() {
-    const int descriptor = ::open(temporary_.c_str(), O_RDONLY);
-    const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-    if (descriptor >= 0) ::close(descriptor);
-    if (!synced || std::rename(temporary_.c_str(), path_.c_str()) != 0) throw IoError(path_, "cannot be written");
-    temporary_.clear();
-  }
-
- private:
-  std::string path_, temporary_;
-};
 
 }  // namespace
 
@@ -182,7 +173,7 @@ void write_cad(const std::string& path, const Shape& shape) {
   if (!iges && !step && extension != ".brep")
     throw InvalidInput(fmt::format("write_cad: the extension of {} is none of .igs .iges .stp .step .brep", path));
 
-  OutputFile output(path);
+  AtomicFile output(path);
   const OcctSession session;
   const std::string failure = run_guarded([&] {
     if (step) {

@@ -25,7 +25,7 @@ struct CadFile {
   int solids = 0;
   std::vector<std::string> products;  ///< names of the products of a STEP file, in file order
   std::vector<FailedEntity> failed;   ///< roots and faces of the file that are not in `shape`
-  std::vector<std::string> warnings;  ///< one line each, equal ones counted
+  std::vector<std::string> warnings;  ///< one line each, like ones counted
 };
 
 /// Reads an IGES, STEP or BREP file (text or binary) through OpenCASCADE.

@@ -60,23 +60,35 @@ const char* iges_type_name(int type) {
   }
 }
 
-/// Counts equal messages, so that one cause does not fill the report.
+/// Counts messages that differ in their numbers only, so that one cause does not fill the report.
 class Warnings {
  public:
   void add(const std::string& message) {
-    if (!message.empty() && ++count_[message] == 1) order_.push_back(message);
+    std::string kind;
+    for (const char c : message)
+      if (c < '0' || c > '9') kind += c;
+    if (kind.empty()) return;
+    Entry& entry = entries_[kind];
+    if (++entry.count == 1) {
+      entry.first = message;
+      order_.push_back(kind);
+    }
   }
   std::vector<std::string> lines() const {
     std::vector<std::string> result;
-    for (const std::string& message : order_) {
-      const int n = count_.at(message);
-      result.push_back(n == 1 ? message : fmt::format("{} ({} times)", message, n));
+    for (const std::string& kind : order_) {
+      const Entry& entry = entries_.at(kind);
+      result.push_back(entry.count == 1 ? entry.first : fmt::format("{} ({} such)", entry.first, entry.count));
     }
     return result;
   }
 
  private:
-  std::map<std::string, int> count_;
+  struct Entry {
+    std::string first;
+    int count = 0;
+  };
+  std::map<std::string, Entry> entries_;
   std::vector<std::string> order_;
 };
 
@@ -107,6 +119,16 @@ void add_transfer_messages(const XSControl_Reader& reader, Warnings& warnings) {
     for (int i = 1; i <= check->NbFails(); ++i) warnings.add(check->CFail(i));
     for (int i = 1; i <= check->NbWarnings(); ++i) warnings.add(check->CWarning(i));
   }
+}
+
+/// Entities that the parser could not fill: they, and whatever refers to them, are lost.
+void add_parse_failures(const Handle(Interface_InterfaceModel)& model, Warnings& warnings) {
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const Handle(Interface_Check)& check = model->Check(i, Standard_True);
+    for (int k = 1; k <= check->NbFails(); ++k) warnings.add(check->CFail(k));
+  }
+  const Handle(Interface_Check)& global = model->GlobalCheck(Standard_True);
+  for (int k = 1; !global.IsNull() && k <= global->NbFails(); ++k) warnings.add(global->CFail(k));
 }
 
 TopoDS_Shape result_of(const XSControl_Reader& reader, const Handle(Standard_Transient)& entity) {
@@ -214,6 +236,7 @@ CadTransfer transfer_iges(const std::string& path, Context& context) {
   result.shape = reader.OneShape();
 
   Warnings warnings;
+  add_parse_failures(model, warnings);
   add_transfer_messages(reader, warnings);
   FaceNames names;
   for (int i = 1; i <= model->NbEntities(); ++i) {
@@ -269,6 +292,7 @@ CadTransfer transfer_step(const std::string& path, Context& context) {
   if (!has_face(reader.OneShape())) take_each(STANDARD_TYPE(StepShape_Face), "faces");
   result.shape = reader.OneShape();
 
+  add_parse_failures(model, warnings);
   add_transfer_messages(reader, warnings);
   for (int i = 1; i <= root_count; ++i) {
     const Handle(Standard_Transient) root = reader.RootForTransfer(i);
