@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+/// Colours as linear mixes of sRGB values in [0,1]; every function is defined for every argument.
+
+/// A colour for a category; neighbouring numbers get colours that are easy to tell apart. Repeats after a few hundred.
+Vec3 category_color(std::int64_t category);
+
+/// Blue at -1, near white at 0, red at 1; the end colours beyond.
+Vec3 diverging_color(double t);
+
+/// Dark violet at 0 through green to yellow at 1; the end colours beyond.
+Vec3 sequential_color(double t);
+
+/// For what has no value.
+inline Vec3 missing_color() { return {0.62, 0.62, 0.62}; }
+
+}  // namespace tri
