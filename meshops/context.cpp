@@ -5,6 +5,7 @@
 namespace tri {
 
 void Context::checkpoint() const {
+  if (on_checkpoint) on_checkpoint();
   if (cancelled()) throw Cancelled();
 }
 

@@ -7,6 +7,17 @@
 
 namespace tri {
 
+/// Old to new indices after elements were renumbered; empty if none were. `removed` marks elements that are gone.
+struct ElementMaps {
+  static constexpr std::uint32_t removed = 0xffffffff;
+
+  std::vector<std::uint32_t> vertices;
+  std::vector<std::uint32_t> edges;  ///< half-edge h becomes 2 * edges[h / 2] + h % 2
+  std::vector<std::uint32_t> faces;
+
+  bool empty() const { return vertices.empty() && edges.empty() && faces.empty(); }
+};
+
 /// What one operator changed. All counts zero means that the mesh was returned bit for bit.
 struct Report {
   std::string operation;  ///< registered name, say "fill-holes"
@@ -28,6 +39,9 @@ struct Report {
   /// Indices of touched elements in the mesh as the operator left it (before any compaction).
   std::vector<std::uint32_t> touched_vertices;
   std::vector<std::uint32_t> touched_faces;
+
+  /// Filled by operators that renumber (`compact`).
+  ElementMaps maps;
 
   double seconds = 0;
 

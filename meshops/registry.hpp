@@ -1,0 +1,121 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "meshops/context.hpp"
+#include "meshops/mesh_view.hpp"
+#include "meshops/options.hpp"
+#include "meshops/report.hpp"
+#include "meshops/soup.hpp"
+
+namespace tri {
+
+/// What an operator works on. Points are a soup without triangles.
+enum class Domain { points, soup, mesh };
+
+std::string_view to_string(Domain domain);
+
+/// What an operator promises beside its header; the contract suite holds every registered operator to it.
+struct Promises {
+  /// A closed, well-shaped mesh that needs nothing (a regular icosahedron) is returned bit for bit with a zero report.
+  bool leaves_good_mesh = true;
+  /// A second run with the same options changes nothing.
+  bool idempotent = true;
+  /// Handles of elements that stay are the same afterwards; only `compact` renumbers.
+  bool keeps_handles = true;
+};
+
+/// A registered operator without the type of its options. `options` pointers point to the operator's own options
+/// struct.
+class Operator {
+ public:
+  /// Any function pointer; only ever compared.
+  using Key = void (*)();
+
+  const std::string& name() const { return name_; }        ///< kebab-case: "fill-holes"
+  const std::string& summary() const { return summary_; }  ///< one line
+  Domain domain() const { return domain_; }
+  const OptionSchema& schema() const { return *schema_; }
+  const Promises& promises() const { return promises_; }
+  Key key() const { return key_; }
+
+  /// Runs a mesh operator; the report has its `operation` and `seconds` filled.
+  /// @throws InvalidInput if an option is out of range or this is no mesh operator; else what the operator's header
+  /// says.
+  Report run(MeshView mesh, const void* options, Context& context) const;
+  /// The same for operators on points and soups.
+  Report run(Soup& soup, const void* options, Context& context) const;
+
+ private:
+  friend class Registry;
+
+  std::string name_;
+  std::string summary_;
+  Domain domain_ = Domain::mesh;
+  const OptionSchema* schema_ = nullptr;
+  Promises promises_;
+  Key key_ = nullptr;
+  std::function<Report(MeshView, const void*, Context&)> run_mesh_;
+  std::function<Report(Soup&, const void*, Context&)> run_soup_;
+};
+
+/// The operators by name.
+///
+/// There is one way to make an operator, in meshops/operators/name.{hpp,cpp}: an options struct with defaults, its
+/// `static const OptionSchema& schema()`, and the free function
+///
+///     Report fill_holes(MeshView mesh, const FillHolesOptions& options, Context& context);
+///
+/// (or `Soup&` in place of `MeshView`), whose first line is `validate(options);`. Then one line in
+/// register_operators.cpp.
+class Registry {
+ public:
+  /// Every operator of meshops; immutable, safe to read from any thread.
+  static const Registry& standard();
+
+  /// @throws InvalidInput if the name is not kebab-case or taken.
+  template <class O>
+  void add(std::string_view name, Report (*function)(MeshView, const O&, Context&), std::string_view summary,
+           Promises promises = {}) {
+    Operator& op =
+        insert(name, summary, Domain::mesh, O::schema(), promises, reinterpret_cast<Operator::Key>(function));
+    op.run_mesh_ = [function](MeshView mesh, const void* options, Context& context) {
+      return function(mesh, *static_cast<const O*>(options), context);
+    };
+  }
+  /// @param domain points or soup.
+  template <class O>
+  void add(std::string_view name, Report (*function)(Soup&, const O&, Context&), std::string_view summary,
+           Domain domain = Domain::soup, Promises promises = {}) {
+    Operator& op = insert(name, summary, domain, O::schema(), promises, reinterpret_cast<Operator::Key>(function));
+    op.run_soup_ = [function](Soup& soup, const void* options, Context& context) {
+      return function(soup, *static_cast<const O*>(options), context);
+    };
+  }
+
+  /// In order of registration.
+  const std::vector<std::unique_ptr<const Operator>>& operators() const { return operators_; }
+  /// Nullptr if there is none.
+  const Operator* find(std::string_view name) const;
+  const Operator* find(Operator::Key function) const;
+  /// @throws InvalidInput naming all operators if there is none of this name.
+  const Operator& at(std::string_view name) const;
+
+  /// An array with one object per operator: name, domain, summary, options.
+  Json describe() const;
+
+ private:
+  Operator& insert(std::string_view name, std::string_view summary, Domain domain, const OptionSchema& schema,
+                   const Promises& promises, Operator::Key key);
+
+  std::vector<std::unique_ptr<const Operator>> operators_;
+};
+
+/// The explicit list (self-registration is dropped from static libraries).
+void register_operators(Registry& registry);
+
+}  // namespace tri
