@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "meshops/soup.hpp"
+
+namespace tri {
+
+/// What a person wants to know about triangles before working on them. Lengths are in the mesh's own unit.
+struct MeshSummary {
+  std::uint64_t vertices = 0;
+  std::uint64_t unused_vertices = 0;  ///< in no triangle
+  std::uint64_t triangles = 0;
+  std::uint64_t edges = 0;            ///< distinct pairs of vertices; the two equal corners of a triangle make none
+
+  std::uint64_t boundary_edges = 0;      ///< of one triangle
+  std::uint64_t nonmanifold_edges = 0;   ///< of three triangles or more
+  std::uint64_t misoriented_edges = 0;   ///< of two triangles that run along it in the same direction
+  std::uint64_t nonmanifold_vertices = 0;  ///< whose triangles form several fans that share no edge
+  std::uint64_t repeated_corners = 0;    ///< triangles that name a vertex twice
+  std::uint64_t zero_area = 0;           ///< further triangles whose area is exactly 0 in double arithmetic
+  std::uint64_t duplicate_triangles = 0;  ///< triangles with the same three vertices as an earlier one
+
+  std::uint64_t components = 0;      ///< sets of triangles connected over edges
+  std::uint64_t boundary_loops = 0;  ///< closed chains of boundary edges, each turning around one fan at a time
+  std::int64_t euler = 0;            ///< used vertices - edges + triangles
+
+  bool manifold = false;  ///< no non-manifold edge or vertex, no repeated corner
+  bool oriented = false;  ///< no misoriented and no non-manifold edge
+  bool closed = false;    ///< no boundary edge, and at least one triangle
+
+  Vec3 box_min{0, 0, 0}, box_max{0, 0, 0};  ///< of all vertices
+  double area = 0;
+  double volume = 0;  ///< enclosed, negative if inside out; 0 unless closed and oriented
+  double shortest_edge = 0, mean_edge = 0, longest_edge = 0;
+};
+
+/// Counts what is in `soup`; any topology is allowed. O(N log N) time. The result does not depend on the number of threads.
+MeshSummary summarize(const Soup& soup);
+
+}  // namespace tri
