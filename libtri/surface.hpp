@@ -1,5 +1,8 @@
 #pragma once
 
+#include <limits>
+#include <vector>
+
 #include "meshops/vec.hpp"
 
 namespace tri {
@@ -7,6 +10,20 @@ namespace tri {
 /// Position and partial derivatives at one (u,v).
 struct SurfacePoint {
   Vec3 p, du, dv, duu, duv, dvv;
+};
+
+/// Upper bounds of the lengths of partial derivatives over a parameter rectangle; infinity where no bound is known.
+struct SurfaceBounds {
+  static constexpr double unknown = std::numeric_limits<double>::infinity();
+  double du = unknown, dv = unknown;
+  double duu = unknown, duv = unknown, dvv = unknown;
+  double duuu = unknown, duuv = unknown, duvv = unknown, dvvv = unknown;
+};
+
+/// A parameter at which a curve or surface is less than infinitely smooth.
+struct ParameterBreak {
+  double at = 0;
+  int continuity = 0;  ///< derivatives that still agree from both sides: 0 is a kink, 1 a jump of curvature
 };
 
 /// A parametric surface evaluated from flat arrays. Immutable and free of caches: safe to share between threads.
@@ -18,6 +35,23 @@ class Surface {
   /// Period in u or v; 0 where the direction does not close.
   virtual double u_period() const { return 0; }
   virtual double v_period() const { return 0; }
+
+  /// Proven bounds over [u0,u1] x [v0,v1], taken from both sides of every break inside.
+  virtual SurfaceBounds bounds(double u0, double u1, double v0, double v1) const {
+    (void)u0, (void)u1, (void)v0, (void)v1;
+    return {};
+  }
+  /// Breaks strictly inside the surface's own range, ascending.
+  virtual std::vector<ParameterBreak> u_breaks() const { return {}; }
+  virtual std::vector<ParameterBreak> v_breaks() const { return {}; }
+
+  /// Every local minimum of the distance from `p` to the untrimmed surface, where a closed form gives them.
+  /// @return the number written to `feet` (0 to 2), or -1 where this surface has no closed form. (u,v) of a periodic
+  /// direction lie in [0, period). A pole or apex is no minimum of its own here.
+  virtual int closest(const Vec3& p, Vec2 feet[2]) const {
+    (void)p, (void)feet;
+    return -1;
+  }
 };
 
 }  // namespace tri

@@ -1,0 +1,261 @@
+#include "libtri/bspline_surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "meshops/error.hpp"
+
+namespace tri {
+
+namespace {
+
+constexpr double choose[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
+
+using Evaluator = SurfacePoint (*)(const BSplineSurface&, double, double);
+
+}  // namespace
+
+template <int PU, int PV, bool Rational>
+SurfacePoint BSplineSurface::evaluate_fixed(const BSplineSurface& s, double u, double v) {
+  constexpr int n = Rational ? 4 : 3;
+  u = s.u_.wrapped(u);
+  v = s.v_.wrapped(v);
+  const int su = s.u_.span(u), sv = s.v_.span(v);
+  double bu[3][PU + 1], bv[3][PV + 1];
+  s.u_.values2<PU>(su, u, bu);
+  s.v_.values2<PV>(sv, v, bv);
+  const int stride = s.v_.count() * n;
+  const double* poles = s.poles_.data() + static_cast<std::ptrdiff_t>(s.u_.first_control(su)) * stride + s.v_.first_control(sv) * n;
+  double a00[n] = {}, a10[n] = {}, a01[n] = {}, a20[n] = {}, a11[n] = {}, a02[n] = {};
+  for (int i = 0; i <= PU; ++i) {
+    const double* row = poles + static_cast<std::ptrdiff_t>(i) * stride;
+    double r0[n] = {}, r1[n] = {}, r2[n] = {};
+    for (int j = 0; j <= PV; ++j) {
+      for (int c = 0; c < n; ++c) {
+        const double q = row[j * n + c];
+        r0[c] += bv[0][j] * q;
+        r1[c] += bv[1][j] * q;
+        r2[c] += bv[2][j] * q;
+      }
+    }
+    for (int c = 0; c < n; ++c) {
+      a00[c] += bu[0][i] * r0[c];
+      a10[c] += bu[1][i] * r0[c];
+      a20[c] += bu[2][i] * r0[c];
+      a01[c] += bu[0][i] * r1[c];
+      a11[c] += bu[1][i] * r1[c];
+      a02[c] += bu[0][i] * r2[c];
+    }
+  }
+  SurfacePoint out;
+  if constexpr (!Rational) {
+    out.p = Vec3(a00);
+    out.du = Vec3(a10);
+    out.dv = Vec3(a01);
+    out.duu = Vec3(a20);
+    out.duv = Vec3(a11);
+    out.dvv = Vec3(a02);
+  } else {
+    const double w = 1 / a00[3];
+    for (int c = 0; c < 3; ++c) {
+      const double p = a00[c] * w;
+      const double du = (a10[c] - a10[3] * p) * w, dv = (a01[c] - a01[3] * p) * w;
+      out.p[c] = p;
+      out.du[c] = du;
+      out.dv[c] = dv;
+      out.duu[c] = (a20[c] - 2 * a10[3] * du - a20[3] * p) * w;
+      out.duv[c] = (a11[c] - a10[3] * dv - a01[3] * du - a11[3] * p) * w;
+      out.dvv[c] = (a02[c] - 2 * a01[3] * dv - a02[3] * p) * w;
+    }
+  }
+  return out;
+}
+
+SurfacePoint BSplineSurface::evaluate_any(const BSplineSurface& s, double u, double v) {
+  Vec3 d[4][4];
+  s.derivatives(u, v, 2, d);
+  return {d[0][0], d[1][0], d[0][1], d[2][0], d[1][1], d[0][2]};
+}
+
+BSplineSurface::BSplineSurface(BSplineBasis u, BSplineBasis v, const std::vector<Vec3>& poles,
+                               const std::vector<double>& weights)
+    : u_(std::move(u)), v_(std::move(v)), rational_(!weights.empty()), dimension_(rational_ ? 4 : 3) {
+  const std::size_t n = static_cast<std::size_t>(u_.count()) * v_.count();
+  if (poles.size() != n || (rational_ && weights.size() != n)) throw CadError("b-spline surface: number of poles does not fit the knots");
+  poles_.resize(n * dimension_);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double w = rational_ ? weights[i] : 1;
+    if (!(w > 0)) throw CadError("b-spline surface: a weight is not positive");
+    for (int c = 0; c < 3; ++c) poles_[i * dimension_ + c] = poles[i][c] * w;
+    if (rational_) poles_[i * dimension_ + 3] = w;
+  }
+  evaluate_ = evaluate_any;
+  const int pu = u_.degree(), pv = v_.degree();
+  static constexpr std::array<std::array<std::array<Evaluator, 3>, 3>, 2> small = {{
+      {{{evaluate_fixed<1, 1, false>, evaluate_fixed<1, 2, false>, evaluate_fixed<1, 3, false>},
+        {evaluate_fixed<2, 1, false>, evaluate_fixed<2, 2, false>, evaluate_fixed<2, 3, false>},
+        {evaluate_fixed<3, 1, false>, evaluate_fixed<3, 2, false>, evaluate_fixed<3, 3, false>}}},
+      {{{evaluate_fixed<1, 1, true>, evaluate_fixed<1, 2, true>, evaluate_fixed<1, 3, true>},
+        {evaluate_fixed<2, 1, true>, evaluate_fixed<2, 2, true>, evaluate_fixed<2, 3, true>},
+        {evaluate_fixed<3, 1, true>, evaluate_fixed<3, 2, true>, evaluate_fixed<3, 3, true>}}},
+  }};
+  if (pu <= 3 && pv <= 3) evaluate_ = small[rational_][pu - 1][pv - 1];
+  else if (pu == 5 && pv == 5) evaluate_ = rational_ ? evaluate_fixed<5, 5, true> : evaluate_fixed<5, 5, false>;
+  else if (pu == 5 && pv == 3) evaluate_ = rational_ ? evaluate_fixed<5, 3, true> : evaluate_fixed<5, 3, false>;
+  else if (pu == 3 && pv == 5) evaluate_ = rational_ ? evaluate_fixed<3, 5, true> : evaluate_fixed<3, 5, false>;
+}
+
+Vec3 BSplineSurface::point(double u, double v) const {
+  Vec3 d[4][4];
+  derivatives(u, v, 0, d);
+  return d[0][0];
+}
+
+void BSplineSurface::derivatives(double u, double v, int order, Vec3 out[4][4]) const {
+  constexpr int m = BSplineBasis::max_degree + 1;
+  double bu[4 * m], bv[4 * m];
+  u = u_.wrapped(u);
+  v = v_.wrapped(v);
+  const int su = u_.span(u), sv = v_.span(v), pu = u_.degree(), pv = v_.degree(), n = dimension_;
+  u_.derivatives(su, u, order, bu);
+  v_.derivatives(sv, v, order, bv);
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(v_.count()) * n;
+  const double* poles = poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
+  double a[4][4][4] = {};
+  for (int i = 0; i <= pu; ++i) {
+    const double* row = poles + i * stride;
+    double r[4][4] = {};
+    for (int j = 0; j <= pv; ++j)
+      for (int l = 0; l <= order; ++l)
+        for (int c = 0; c < n; ++c) r[l][c] += bv[l * (pv + 1) + j] * row[j * n + c];
+    for (int k = 0; k <= order; ++k)
+      for (int l = 0; k + l <= order; ++l)
+        for (int c = 0; c < n; ++c) a[k][l][c] += bu[k * (pu + 1) + i] * r[l][c];
+  }
+  // Quotient rule, algorithm A4.4 of The NURBS Book.
+  for (int k = 0; k <= order; ++k) {
+    for (int l = 0; k + l <= order; ++l) {
+      Vec3 value(a[k][l][0], a[k][l][1], a[k][l][2]);
+      if (rational_) {
+        for (int i = 0; i <= k; ++i)
+          for (int j = 0; j <= l; ++j)
+            if (i + j > 0) value -= out[k - i][l - j] * (choose[k][i] * choose[l][j] * a[i][j][3]);
+        value /= a[0][0][3];
+      }
+      out[k][l] = value;
+    }
+  }
+}
+
+void BSplineSurface::third_derivatives(double u, double v, Vec3 out[4]) const {
+  Vec3 d[4][4];
+  derivatives(u, v, 3, d);
+  for (int l = 0; l < 4; ++l) out[l] = d[3 - l][l];
+}
+
+void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0, double v1, double out[4][4]) const {
+  const int mu = u_.degree() + 1, mv = v_.degree() + 1, n = dimension_;
+  std::vector<double> to_u(mu * mu), to_v(mv * mv), half(mu * mv * n), net(mu * mv * n);
+  u_.bezier_matrix(su, u0, u1, to_u.data());
+  v_.bezier_matrix(sv, v0, v1, to_v.data());
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(v_.count()) * n;
+  const double* poles = poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
+  for (int i = 0; i < mu; ++i)
+    for (int k = 0; k < mu; ++k)
+      for (int x = 0; x < mv * n; ++x) half[i * mv * n + x] += to_u[i * mu + k] * poles[k * stride + x];
+  for (int i = 0; i < mu; ++i)
+    for (int j = 0; j < mv; ++j)
+      for (int k = 0; k < mv; ++k)
+        for (int c = 0; c < n; ++c) net[(i * mv + j) * n + c] += to_v[j * mv + k] * half[(i * mv + k) * n + c];
+  double w_min = 1;
+  if (rational_) {
+    // About a point of the patch the numerator is small, and so are the terms that weights bring.
+    const double* q = net.data() + ((mu / 2) * mv + mv / 2) * n;
+    const double center[3] = {q[0] / q[3], q[1] / q[3], q[2] / q[3]};
+    w_min = q[3];
+    for (int x = 0; x < mu * mv; ++x) {
+      for (int c = 0; c < 3; ++c) net[x * n + c] -= center[c] * net[x * n + 3];
+      w_min = std::min(w_min, net[x * n + 3]);
+    }
+  }
+  double w[4][4] = {};
+  // The hull of the differences of Bezier points bounds each derivative of numerator and weight.
+  std::vector<double> rows = net, cell;
+  double u_factor = 1;
+  for (int k = 0; k < 4; ++k) {
+    const int nu = mu - k;
+    if (nu < 1) break;
+    cell.assign(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(nu) * mv * n);
+    double factor = u_factor;
+    for (int l = 0; k + l < 4; ++l) {
+      const int nv = mv - l;
+      if (nv < 1) break;
+      double largest = 0, weight = 0;
+      for (int i = 0; i < nu; ++i) {
+        for (int j = 0; j < nv; ++j) {
+          const double* q = cell.data() + (i * mv + j) * n;
+          largest = std::max(largest, q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+          if (rational_) weight = std::max(weight, std::abs(q[3]));
+        }
+      }
+      out[k][l] = std::sqrt(largest) * factor;
+      w[k][l] = weight * factor;
+      for (int i = 0; i < nu; ++i)
+        for (int j = 0; j + 1 < nv; ++j)
+          for (int c = 0; c < n; ++c) cell[(i * mv + j) * n + c] = cell[(i * mv + j + 1) * n + c] - cell[(i * mv + j) * n + c];
+      factor *= (mv - 1 - l) / (v1 - v0);
+    }
+    for (int i = 0; i + 1 < nu; ++i)
+      for (int x = 0; x < mv * n; ++x) rows[i * mv * n + x] = rows[(i + 1) * mv * n + x] - rows[i * mv * n + x];
+    u_factor *= (mu - 1 - k) / (u1 - u0);
+  }
+  if (!rational_) return;
+  for (int k = 0; k < 4; ++k) {
+    for (int l = 0; k + l < 4; ++l) {
+      double sum = out[k][l];
+      for (int i = 0; i <= k; ++i)
+        for (int j = 0; j <= l; ++j)
+          if (i + j > 0) sum += choose[k][i] * choose[l][j] * w[i][j] * out[k - i][l - j];
+      out[k][l] = w_min > 0 ? sum / w_min : SurfaceBounds::unknown;
+    }
+  }
+}
+
+SurfaceBounds BSplineSurface::bounds(double u0, double u1, double v0, double v1) const {
+  double most[4][4] = {};
+  // A closed direction may be asked for across its seam.
+  const auto pieces = [](const BSplineBasis& basis, double a, double b, auto&& use) {
+    if (basis.period() > 0) {
+      const double shift = std::floor((a - basis.first()) / basis.period()) * basis.period();
+      a -= shift;
+      b -= shift;
+      if (b - a >= basis.period()) {
+        a = basis.first();
+        b = basis.last();
+      }
+      if (b > basis.last()) {
+        for (int s = 0, end = basis.span(b - basis.period()); s <= end; ++s)
+          use(s, basis.span_begin(s), std::min(basis.span_end(s), b - basis.period()));
+        b = basis.last();
+      }
+    }
+    const int s0 = basis.span(a);
+    int s1 = basis.span(b);
+    if (s1 > s0 && b == basis.span_begin(s1)) --s1;
+    for (int s = s0; s <= s1; ++s)
+      use(s, s == s0 ? a : basis.span_begin(s), s == s1 ? b : basis.span_end(s));
+  };
+  pieces(u_, u0, u1, [&](int su, double ua, double ub) {
+    pieces(v_, v0, v1, [&](int sv, double va, double vb) {
+      if (!(ub > ua) || !(vb > va)) return;
+      double one[4][4] = {};
+      span_bounds(su, sv, ua, ub, va, vb, one);
+      for (int k = 0; k < 4; ++k)
+        for (int l = 0; l < 4; ++l) most[k][l] = std::max(most[k][l], one[k][l]);
+    });
+  });
+  return {most[1][0], most[0][1], most[2][0], most[1][1], most[0][2], most[3][0], most[2][1], most[1][2], most[0][3]};
+}
+
+}  // namespace tri
