@@ -9,7 +9,8 @@ namespace tri {
 
 BSplineBasis::BSplineBasis(int degree, std::vector<double> knots, double period)
     : degree_(degree), knots_(std::move(knots)), period_(period) {
-  if (degree < 1 || degree > max_degree) throw CadError("b-spline degree " + std::to_string(degree) + " is not in 1..25");
+  if (degree < 1 || degree > max_degree)
+    throw CadError("b-spline degree " + std::to_string(degree) + " is not in 1..25");
   if (static_cast<int>(knots_.size()) < 2 * degree + 2) throw CadError("b-spline with too few knots for its degree");
   for (std::size_t i = 0; i + 1 < knots_.size(); ++i)
     if (!(knots_[i] <= knots_[i + 1])) throw CadError("b-spline knots are not in ascending order");
@@ -51,7 +52,8 @@ BSplineBasis::BSplineBasis(int degree, std::vector<double> knots, double period)
             poly.push_back(0);
             for (std::size_t e = poly.size() - 1; e > 0; --e) poly[e] += sign * poly[e - 1];
           }
-          for (int k = 0; k < m; ++k) table_[(static_cast<std::size_t>(s) * m + k) * m + j] += bezier[i * m + j] * poly[k];
+          for (int k = 0; k < m; ++k)
+            table_[(static_cast<std::size_t>(s) * m + k) * m + j] += bezier[i * m + j] * poly[k];
           choose = choose * (degree - i) / (i + 1);
         }
       }

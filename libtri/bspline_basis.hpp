@@ -12,8 +12,8 @@ namespace tri {
 /// brought into [first, first + period] before.
 class BSplineBasis {
  public:
-  static constexpr int max_degree = 25;  ///< what OpenCASCADE allows
-  static constexpr int max_order = 3;    ///< highest derivative
+  static constexpr int max_degree = 25;   ///< what OpenCASCADE allows
+  static constexpr int max_order = 3;     ///< highest derivative
   static constexpr int table_degree = 5;  ///< up to this degree each span keeps its polynomials
 
   /// @param degree 1 to max_degree
@@ -80,8 +80,8 @@ class BSplineBasis {
     }
   }
 
-  /// The map from the degree + 1 control points of span s to the Bezier points over [a,b], by blossoming [Ramshaw 1989]:
-  /// Bezier point i = sum over j of matrix[i * (degree + 1) + j] * control first_control(s) + j.
+  /// The map from the degree + 1 control points of span s to the Bezier points over [a,b], by blossoming [Ramshaw
+  /// 1989]: Bezier point i = sum over j of matrix[i * (degree + 1) + j] * control first_control(s) + j.
   void bezier_matrix(int s, double a, double b, double* matrix) const;
 
  private:
@@ -90,9 +90,9 @@ class BSplineBasis {
   int degree_;
   std::vector<double> knots_;
   double period_;
-  std::vector<double> edges_;    // distinct knots within the range
-  std::vector<int> span_knot_;   // per span: k with knots_[k] = begin, knots_[k + 1] = end
-  std::vector<int> cell_span_;   // uniform cells over the range: span half a cell before each, one entry more than cells
+  std::vector<double> edges_;   // distinct knots within the range
+  std::vector<int> span_knot_;  // per span: k with knots_[k] = begin, knots_[k + 1] = end
+  std::vector<int> cell_span_;  // uniform cells over the range: span half a cell before each, one entry more than cells
   double cell_scale_ = 0;
   std::vector<double> table_, table_middle_, table_scale_;
 };

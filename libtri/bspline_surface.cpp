@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "meshops/error.hpp"
 
@@ -26,7 +27,8 @@ SurfacePoint BSplineSurface::evaluate_fixed(const BSplineSurface& s, double u, d
   s.u_.values2<PU>(su, u, bu);
   s.v_.values2<PV>(sv, v, bv);
   const int stride = s.v_.count() * n;
-  const double* poles = s.poles_.data() + static_cast<std::ptrdiff_t>(s.u_.first_control(su)) * stride + s.v_.first_control(sv) * n;
+  const double* poles =
+      s.poles_.data() + static_cast<std::ptrdiff_t>(s.u_.first_control(su)) * stride + s.v_.first_control(sv) * n;
   double a00[n] = {}, a10[n] = {}, a01[n] = {}, a20[n] = {}, a11[n] = {}, a02[n] = {};
   for (int i = 0; i <= PU; ++i) {
     const double* row = poles + static_cast<std::ptrdiff_t>(i) * stride;
@@ -82,7 +84,8 @@ BSplineSurface::BSplineSurface(BSplineBasis u, BSplineBasis v, const std::vector
                                const std::vector<double>& weights)
     : u_(std::move(u)), v_(std::move(v)), rational_(!weights.empty()), dimension_(rational_ ? 4 : 3) {
   const std::size_t n = static_cast<std::size_t>(u_.count()) * v_.count();
-  if (poles.size() != n || (rational_ && weights.size() != n)) throw CadError("b-spline surface: number of poles does not fit the knots");
+  if (poles.size() != n || (rational_ && weights.size() != n))
+    throw CadError("b-spline surface: number of poles does not fit the knots");
   poles_.resize(n * dimension_);
   for (std::size_t i = 0; i < n; ++i) {
     const double w = rational_ ? weights[i] : 1;
@@ -100,10 +103,14 @@ BSplineSurface::BSplineSurface(BSplineBasis u, BSplineBasis v, const std::vector
         {evaluate_fixed<2, 1, true>, evaluate_fixed<2, 2, true>, evaluate_fixed<2, 3, true>},
         {evaluate_fixed<3, 1, true>, evaluate_fixed<3, 2, true>, evaluate_fixed<3, 3, true>}}},
   }};
-  if (pu <= 3 && pv <= 3) evaluate_ = small[rational_][pu - 1][pv - 1];
-  else if (pu == 5 && pv == 5) evaluate_ = rational_ ? evaluate_fixed<5, 5, true> : evaluate_fixed<5, 5, false>;
-  else if (pu == 5 && pv == 3) evaluate_ = rational_ ? evaluate_fixed<5, 3, true> : evaluate_fixed<5, 3, false>;
-  else if (pu == 3 && pv == 5) evaluate_ = rational_ ? evaluate_fixed<3, 5, true> : evaluate_fixed<3, 5, false>;
+  if (pu <= 3 && pv <= 3)
+    evaluate_ = small[rational_][pu - 1][pv - 1];
+  else if (pu == 5 && pv == 5)
+    evaluate_ = rational_ ? evaluate_fixed<5, 5, true> : evaluate_fixed<5, 5, false>;
+  else if (pu == 5 && pv == 3)
+    evaluate_ = rational_ ? evaluate_fixed<5, 3, true> : evaluate_fixed<5, 3, false>;
+  else if (pu == 3 && pv == 5)
+    evaluate_ = rational_ ? evaluate_fixed<3, 5, true> : evaluate_fixed<3, 5, false>;
 }
 
 Vec3 BSplineSurface::point(double u, double v) const {
@@ -121,7 +128,8 @@ void BSplineSurface::derivatives(double u, double v, int order, Vec3 out[4][4]) 
   u_.derivatives(su, u, order, bu);
   v_.derivatives(sv, v, order, bv);
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(v_.count()) * n;
-  const double* poles = poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
+  const double* poles =
+      poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
   double a[4][4][4] = {};
   for (int i = 0; i <= pu; ++i) {
     const double* row = poles + i * stride;
@@ -160,7 +168,8 @@ void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0
   u_.bezier_matrix(su, u0, u1, to_u.data());
   v_.bezier_matrix(sv, v0, v1, to_v.data());
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(v_.count()) * n;
-  const double* poles = poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
+  const double* poles =
+      poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
   for (int i = 0; i < mu; ++i)
     for (int k = 0; k < mu; ++k)
       for (int x = 0; x < mv * n; ++x) half[i * mv * n + x] += to_u[i * mu + k] * poles[k * stride + x];
@@ -168,6 +177,10 @@ void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0
     for (int j = 0; j < mv; ++j)
       for (int k = 0; k < mv; ++k)
         for (int c = 0; c < n; ++c) net[(i * mv + j) * n + c] += to_v[j * mv + k] * half[(i * mv + k) * n + c];
+  double magnitude = 0;
+  for (const double x : net) magnitude = std::max(magnitude, std::abs(x));
+  // What rounding may have done to a Bezier point; each difference doubles it.
+  const double rounding = 16 * std::numeric_limits<double>::epsilon() * magnitude;
   double w_min = 1;
   if (rational_) {
     // About a point of the patch the numerator is small, and so are the terms that weights bring.
@@ -199,11 +212,12 @@ void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0
           if (rational_) weight = std::max(weight, std::abs(q[3]));
         }
       }
-      out[k][l] = std::sqrt(largest) * factor;
-      w[k][l] = weight * factor;
+      out[k][l] = (std::sqrt(largest) + std::ldexp(rounding, k + l)) * factor;
+      w[k][l] = rational_ ? (weight + std::ldexp(rounding, k + l)) * factor : 0;
       for (int i = 0; i < nu; ++i)
         for (int j = 0; j + 1 < nv; ++j)
-          for (int c = 0; c < n; ++c) cell[(i * mv + j) * n + c] = cell[(i * mv + j + 1) * n + c] - cell[(i * mv + j) * n + c];
+          for (int c = 0; c < n; ++c)
+            cell[(i * mv + j) * n + c] = cell[(i * mv + j + 1) * n + c] - cell[(i * mv + j) * n + c];
       factor *= (mv - 1 - l) / (v1 - v0);
     }
     for (int i = 0; i + 1 < nu; ++i)
@@ -243,8 +257,7 @@ SurfaceBounds BSplineSurface::bounds(double u0, double u1, double v0, double v1)
     const int s0 = basis.span(a);
     int s1 = basis.span(b);
     if (s1 > s0 && b == basis.span_begin(s1)) --s1;
-    for (int s = s0; s <= s1; ++s)
-      use(s, s == s0 ? a : basis.span_begin(s), s == s1 ? b : basis.span_end(s));
+    for (int s = s0; s <= s1; ++s) use(s, s == s0 ? a : basis.span_begin(s), s == s1 ? b : basis.span_end(s));
   };
   pieces(u_, u0, u1, [&](int su, double ua, double ub) {
     pieces(v_, v0, v1, [&](int sv, double va, double vb) {

@@ -7,7 +7,8 @@
 
 namespace tri {
 
-/// A tensor-product B-spline surface of any degree up to 25, rational or not, periodic or not; a Bezier surface is one span.
+/// A tensor-product B-spline surface of any degree up to 25, rational or not, periodic or not; a Bezier surface is one
+/// span.
 class BSplineSurface : public ThirdOrderSurface {
  public:
   /// @param poles   u.count() rows of v.count() control points

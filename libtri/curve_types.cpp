@@ -123,7 +123,10 @@ class BSplineCurve final : public CurveBase<Vec> {
   static constexpr int dim = dimension<Vec>;
 
   BSplineCurve(BSplineBasis basis, const std::vector<Vec>& poles, const std::vector<double>& weights)
-      : CurveBase<Vec>(basis.period()), basis_(std::move(basis)), rational_(!weights.empty()), n_(dim + (rational_ ? 1 : 0)) {
+      : CurveBase<Vec>(basis.period()),
+        basis_(std::move(basis)),
+        rational_(!weights.empty()),
+        n_(dim + (rational_ ? 1 : 0)) {
     const std::size_t count = basis_.count();
     if (poles.size() != count || (rational_ && weights.size() != count))
       throw CadError("b-spline curve: number of poles does not fit the knots");
@@ -254,7 +257,8 @@ class BSplineCurve final : public CurveBase<Vec> {
 template <class Vec>
 class Offset final : public CurveBase<Vec> {
  public:
-  Offset(CurvePtr<Vec> base, double distance, const Vec3& direction) : base_(std::move(base)), distance_(distance), z_(direction) {}
+  Offset(CurvePtr<Vec> base, double distance, const Vec3& direction)
+      : base_(std::move(base)), distance_(distance), z_(direction) {}
 
   Vec point(double t) const override {
     const CurvePointIn<Vec> b = base_->evaluate(t);
@@ -291,8 +295,10 @@ class Offset final : public CurveBase<Vec> {
 
  private:
   Vec turned(const Vec& d) const {
-    if constexpr (dimension<Vec> == 2) return Vec(d[1], -d[0]);
-    else return d % z_;
+    if constexpr (dimension<Vec> == 2)
+      return Vec(d[1], -d[0]);
+    else
+      return d % z_;
   }
 
   CurvePtr<Vec> base_;
@@ -319,7 +325,8 @@ CurvePtr<Vec> make_hyperbola(const Vec& origin, const Vec& x, const Vec& y) {
   return std::make_shared<Hyperbola<Vec>>(origin, x, y);
 }
 template <class Vec>
-CurvePtr<Vec> make_bspline_curve(BSplineBasis basis, const std::vector<Vec>& poles, const std::vector<double>& weights) {
+CurvePtr<Vec> make_bspline_curve(BSplineBasis basis, const std::vector<Vec>& poles,
+                                 const std::vector<double>& weights) {
   return std::make_shared<BSplineCurve<Vec>>(std::move(basis), poles, weights);
 }
 

@@ -51,8 +51,8 @@ class Round final : public Surface {
     const Meridian m = shape_.meridian(v);
     const double c = std::cos(u), s = std::sin(u);
     const Vec3 out = f_.x * c + f_.y * s, around = f_.y * c - f_.x * s;
-    return {f_.origin + out * m.r + f_.z * m.h, around * m.r,  out * m.dr + f_.z * m.dh,
-            out * -m.r,                         around * m.dr, out * m.ddr + f_.z * m.ddh};
+    return {f_.origin + out * m.r + f_.z * m.h, around * m.r, out * m.dr + f_.z * m.dh, out * -m.r, around * m.dr,
+            out * m.ddr + f_.z * m.ddh};
   }
   double u_period() const override { return two_pi; }
   double v_period() const override { return Shape::v_period; }
@@ -68,7 +68,9 @@ class Round final : public Surface {
   Shape shape_;
 };
 
-double opposite(double u) { return u < std::numbers::pi ? u + std::numbers::pi : u - std::numbers::pi; }
+double opposite(double u) {
+  return u < std::numbers::pi ? u + std::numbers::pi : u - std::numbers::pi;
+}
 
 struct Cylinder {
   static constexpr double v_period = 0;
@@ -141,7 +143,9 @@ struct Torus {
 
 }  // namespace
 
-std::shared_ptr<const Surface> make_plane(const Frame& frame) { return std::make_shared<Plane>(frame); }
+std::shared_ptr<const Surface> make_plane(const Frame& frame) {
+  return std::make_shared<Plane>(frame);
+}
 
 std::shared_ptr<const Surface> make_cylinder(const Frame& frame, double radius) {
   return std::make_shared<Round<Cylinder>>(frame, Cylinder{radius});

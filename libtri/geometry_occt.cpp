@@ -44,13 +44,25 @@ namespace tri {
 
 namespace {
 
-Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
-Vec3 vec(const gp_Pnt& p) { return vec(p.XYZ()); }
-Vec3 vec(const gp_Dir& d) { return vec(d.XYZ()); }
-Vec2 vec(const gp_Pnt2d& p) { return {p.X(), p.Y()}; }
-Vec2 vec(const gp_Dir2d& d) { return {d.X(), d.Y()}; }
+Vec3 vec(const gp_XYZ& p) {
+  return {p.X(), p.Y(), p.Z()};
+}
+Vec3 vec(const gp_Pnt& p) {
+  return vec(p.XYZ());
+}
+Vec3 vec(const gp_Dir& d) {
+  return vec(d.XYZ());
+}
+Vec2 vec(const gp_Pnt2d& p) {
+  return {p.X(), p.Y()};
+}
+Vec2 vec(const gp_Dir2d& d) {
+  return {d.X(), d.Y()};
+}
 
-Frame frame(const gp_Ax3& a) { return {vec(a.Location()), vec(a.XDirection()), vec(a.YDirection()), vec(a.Direction())}; }
+Frame frame(const gp_Ax3& a) {
+  return {vec(a.Location()), vec(a.XDirection()), vec(a.YDirection()), vec(a.Direction())};
+}
 
 std::vector<double> bezier_knots(int degree) {
   std::vector<double> knots(degree + 1, 0.0);
@@ -58,7 +70,9 @@ std::vector<double> bezier_knots(int degree) {
   return knots;
 }
 
-std::vector<double> values(const TColStd_Array1OfReal& array) { return {array.begin(), array.end()}; }
+std::vector<double> values(const TColStd_Array1OfReal& array) {
+  return {array.begin(), array.end()};
+}
 
 template <class Curve, class Vec>
 void read_poles(const Curve& curve, std::vector<Vec>& poles, std::vector<double>& weights) {
@@ -138,14 +152,15 @@ std::shared_ptr<const Surface> from_bspline(const Handle(Geom_BSplineSurface) & 
   std::vector<double> weights;
   read_net(*surface, poles, weights);
   return std::make_shared<BSplineSurface>(BSplineBasis(surface->UDegree(), values(surface->UKnotSequence()), u_period),
-                                          BSplineBasis(surface->VDegree(), values(surface->VKnotSequence()), v_period), poles,
-                                          weights);
+                                          BSplineBasis(surface->VDegree(), values(surface->VKnotSequence()), v_period),
+                                          poles, weights);
 }
 
 // An elementary surface's offset is of the same type with the same parameterisation; OpenCASCADE's normal is du x dv.
 std::shared_ptr<const Surface> offset_of(const Handle(Geom_Surface) & base, double distance) {
   const auto radial = [&](const gp_Ax3& a) { return a.Direct() ? distance : -distance; };
-  if (const auto s = Handle(Geom_RectangularTrimmedSurface)::DownCast(base)) return offset_of(s->BasisSurface(), distance);
+  if (const auto s = Handle(Geom_RectangularTrimmedSurface)::DownCast(base))
+    return offset_of(s->BasisSurface(), distance);
   if (const auto s = Handle(Geom_Plane)::DownCast(base)) {
     Frame f = frame(s->Position());
     f.origin += f.x % f.y * distance;
@@ -182,7 +197,8 @@ std::shared_ptr<const Surface> offset_of(const Handle(Geom_Surface) & base, doub
 std::shared_ptr<const Surface> make_surface(const Handle(Geom_Surface) & surface) {
   if (surface.IsNull()) throw CadError("face without a surface");
   try {
-    if (const auto s = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface)) return make_surface(s->BasisSurface());
+    if (const auto s = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface))
+      return make_surface(s->BasisSurface());
     if (const auto s = Handle(Geom_BSplineSurface)::DownCast(surface)) return from_bspline(s);
     if (const auto s = Handle(Geom_BezierSurface)::DownCast(surface)) {
       std::vector<Vec3> poles;
@@ -192,10 +208,12 @@ std::shared_ptr<const Surface> make_surface(const Handle(Geom_Surface) & surface
                                               BSplineBasis(s->VDegree(), bezier_knots(s->VDegree())), poles, weights);
     }
     if (const auto s = Handle(Geom_Plane)::DownCast(surface)) return make_plane(frame(s->Position()));
-    if (const auto s = Handle(Geom_CylindricalSurface)::DownCast(surface)) return make_cylinder(frame(s->Position()), s->Radius());
+    if (const auto s = Handle(Geom_CylindricalSurface)::DownCast(surface))
+      return make_cylinder(frame(s->Position()), s->Radius());
     if (const auto s = Handle(Geom_ConicalSurface)::DownCast(surface))
       return make_cone(frame(s->Position()), s->RefRadius(), s->SemiAngle());
-    if (const auto s = Handle(Geom_SphericalSurface)::DownCast(surface)) return make_sphere(frame(s->Position()), s->Radius());
+    if (const auto s = Handle(Geom_SphericalSurface)::DownCast(surface))
+      return make_sphere(frame(s->Position()), s->Radius());
     if (const auto s = Handle(Geom_ToroidalSurface)::DownCast(surface))
       return make_torus(frame(s->Position()), s->MajorRadius(), s->MinorRadius());
     if (const auto s = Handle(Geom_SurfaceOfRevolution)::DownCast(surface)) {
@@ -206,7 +224,8 @@ std::shared_ptr<const Surface> make_surface(const Handle(Geom_Surface) & surface
       return make_extrusion(make_curve3(s->BasisCurve()), vec(s->Direction()));
     if (const auto s = Handle(Geom_OffsetSurface)::DownCast(surface)) return offset_of(s->BasisSurface(), s->Offset());
   } catch (const Standard_Failure& failure) {
-    throw CadError(std::string("surface of type ") + surface->DynamicType()->Name() + ": " + failure.GetMessageString());
+    throw CadError(std::string("surface of type ") + surface->DynamicType()->Name() + ": " +
+                   failure.GetMessageString());
   }
   throw CadError(std::string("no evaluator for a surface of type ") + surface->DynamicType()->Name());
 }
@@ -215,13 +234,17 @@ std::shared_ptr<const Curve2> make_curve2(const Handle(Geom2d_Curve) & curve, do
   if (curve.IsNull()) throw CadError("edge without a curve in its face's (u,v)");
   try {
     if (const auto c = Handle(Geom2d_TrimmedCurve)::DownCast(curve)) return make_curve2(c->BasisCurve(), first, last);
-    if (const auto c = Handle(Geom2d_Line)::DownCast(curve)) return make_line<Vec2>(vec(c->Location()), vec(c->Direction()));
+    if (const auto c = Handle(Geom2d_Line)::DownCast(curve))
+      return make_line<Vec2>(vec(c->Location()), vec(c->Direction()));
     if (const auto c = Handle(Geom2d_BSplineCurve)::DownCast(curve)) return from_bspline<Vec2>(c);
     if (const auto c = Handle(Geom2d_BezierCurve)::DownCast(curve)) return from_bezier<Vec2>(*c);
-    if (const auto c = Handle(Geom2d_Circle)::DownCast(curve)) return ellipse<Vec2>(c->Position(), c->Radius(), c->Radius());
-    if (const auto c = Handle(Geom2d_Ellipse)::DownCast(curve)) return ellipse<Vec2>(c->Position(), c->MajorRadius(), c->MinorRadius());
+    if (const auto c = Handle(Geom2d_Circle)::DownCast(curve))
+      return ellipse<Vec2>(c->Position(), c->Radius(), c->Radius());
+    if (const auto c = Handle(Geom2d_Ellipse)::DownCast(curve))
+      return ellipse<Vec2>(c->Position(), c->MajorRadius(), c->MinorRadius());
     if (const auto c = Handle(Geom2d_Parabola)::DownCast(curve)) return parabola<Vec2>(c->Position(), c->Focal());
-    if (const auto c = Handle(Geom2d_Hyperbola)::DownCast(curve)) return hyperbola<Vec2>(c->Position(), c->MajorRadius(), c->MinorRadius());
+    if (const auto c = Handle(Geom2d_Hyperbola)::DownCast(curve))
+      return hyperbola<Vec2>(c->Position(), c->MajorRadius(), c->MinorRadius());
     if (const auto c = Handle(Geom2d_OffsetCurve)::DownCast(curve))
       return make_offset_curve(make_curve2(c->BasisCurve(), first, last), c->Offset());
   } catch (const Standard_Failure& failure) {
@@ -234,13 +257,17 @@ std::shared_ptr<const Curve3> make_curve3(const Handle(Geom_Curve) & curve) {
   if (curve.IsNull()) throw CadError("curve missing");
   try {
     if (const auto c = Handle(Geom_TrimmedCurve)::DownCast(curve)) return make_curve3(c->BasisCurve());
-    if (const auto c = Handle(Geom_Line)::DownCast(curve)) return make_line<Vec3>(vec(c->Lin().Location()), vec(c->Lin().Direction()));
+    if (const auto c = Handle(Geom_Line)::DownCast(curve))
+      return make_line<Vec3>(vec(c->Lin().Location()), vec(c->Lin().Direction()));
     if (const auto c = Handle(Geom_BSplineCurve)::DownCast(curve)) return from_bspline<Vec3>(c);
     if (const auto c = Handle(Geom_BezierCurve)::DownCast(curve)) return from_bezier<Vec3>(*c);
-    if (const auto c = Handle(Geom_Circle)::DownCast(curve)) return ellipse<Vec3>(c->Position(), c->Radius(), c->Radius());
-    if (const auto c = Handle(Geom_Ellipse)::DownCast(curve)) return ellipse<Vec3>(c->Position(), c->MajorRadius(), c->MinorRadius());
+    if (const auto c = Handle(Geom_Circle)::DownCast(curve))
+      return ellipse<Vec3>(c->Position(), c->Radius(), c->Radius());
+    if (const auto c = Handle(Geom_Ellipse)::DownCast(curve))
+      return ellipse<Vec3>(c->Position(), c->MajorRadius(), c->MinorRadius());
     if (const auto c = Handle(Geom_Parabola)::DownCast(curve)) return parabola<Vec3>(c->Position(), c->Focal());
-    if (const auto c = Handle(Geom_Hyperbola)::DownCast(curve)) return hyperbola<Vec3>(c->Position(), c->MajorRadius(), c->MinorRadius());
+    if (const auto c = Handle(Geom_Hyperbola)::DownCast(curve))
+      return hyperbola<Vec3>(c->Position(), c->MajorRadius(), c->MinorRadius());
     if (const auto c = Handle(Geom_OffsetCurve)::DownCast(curve))
       return make_offset_curve(make_curve3(c->BasisCurve()), c->Offset(), vec(c->Direction()));
   } catch (const Standard_Failure& failure) {

@@ -4,7 +4,6 @@
 #include <Geom2d_Curve.hxx>
 #include <Geom_Curve.hxx>
 #include <Geom_Surface.hxx>
-
 #include <memory>
 
 #include "libtri/curve.hpp"

@@ -16,9 +16,7 @@ class Revolution final : public ThirdOrderSurface {
   Revolution(std::shared_ptr<const Curve3> profile, const Vec3& origin, const Vec3& axis)
       : profile_(std::move(profile)), origin_(origin), axis_(axis) {}
 
-  Vec3 point(double u, double v) const override {
-    return origin_ + Turn(u, *this)(profile_->point(v) - origin_);
-  }
+  Vec3 point(double u, double v) const override { return origin_ + Turn(u, *this)(profile_->point(v) - origin_); }
   SurfacePoint evaluate(double u, double v) const override {
     const CurvePoint3 c = profile_->evaluate(v);
     const Turn turn(u, *this);
@@ -61,7 +59,8 @@ class Revolution final : public ThirdOrderSurface {
 
 class Extrusion final : public ThirdOrderSurface {
  public:
-  Extrusion(std::shared_ptr<const Curve3> profile, const Vec3& direction) : profile_(std::move(profile)), direction_(direction) {}
+  Extrusion(std::shared_ptr<const Curve3> profile, const Vec3& direction)
+      : profile_(std::move(profile)), direction_(direction) {}
 
   Vec3 point(double u, double v) const override { return profile_->point(u) + direction_ * v; }
   SurfacePoint evaluate(double u, double v) const override {
@@ -87,7 +86,8 @@ class Extrusion final : public ThirdOrderSurface {
 
 class OffsetSurface final : public Surface {
  public:
-  OffsetSurface(std::shared_ptr<const ThirdOrderSurface> base, double distance) : base_(std::move(base)), distance_(distance) {}
+  OffsetSurface(std::shared_ptr<const ThirdOrderSurface> base, double distance)
+      : base_(std::move(base)), distance_(distance) {}
 
   Vec3 point(double u, double v) const override {
     const SurfacePoint s = base_->evaluate(u, v);
@@ -153,7 +153,8 @@ class OffsetSurface final : public Surface {
 
 }  // namespace
 
-std::shared_ptr<const Surface> make_revolution(std::shared_ptr<const Curve3> profile, const Vec3& origin, const Vec3& axis) {
+std::shared_ptr<const Surface> make_revolution(std::shared_ptr<const Curve3> profile, const Vec3& origin,
+                                               const Vec3& axis) {
   return std::make_shared<Revolution>(std::move(profile), origin, axis);
 }
 

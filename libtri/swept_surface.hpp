@@ -10,7 +10,8 @@ namespace tri {
 /// The surface of revolution: `profile`(v) turned by u about the axis.
 /// @param origin a point of the axis
 /// @param axis   unit vector
-std::shared_ptr<const Surface> make_revolution(std::shared_ptr<const Curve3> profile, const Vec3& origin, const Vec3& axis);
+std::shared_ptr<const Surface> make_revolution(std::shared_ptr<const Curve3> profile, const Vec3& origin,
+                                               const Vec3& axis);
 
 /// `profile`(u) + v direction
 /// @param direction unit vector

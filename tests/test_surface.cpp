@@ -1,4 +1,6 @@
 // The flat evaluators against OpenCASCADE's own derivatives.
+#include <doctest/doctest.h>
+
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom2d_BezierCurve.hxx>
 #include <Geom2d_Circle.hxx>
@@ -31,7 +33,6 @@
 #include <Geom_TrimmedCurve.hxx>
 #include <algorithm>
 #include <cmath>
-#include <doctest/doctest.h>
 #include <gp_Ax22d.hxx>
 #include <gp_Hypr.hxx>
 #include <gp_Hypr2d.hxx>
@@ -62,7 +63,8 @@ TColgp_Array2OfPnt wavy_net(int nu, int nv, unsigned seed) {
   std::uniform_real_distribution<double> noise(-1, 1);
   TColgp_Array2OfPnt poles(1, nu, 1, nv);
   for (int i = 1; i <= nu; ++i)
-    for (int j = 1; j <= nv; ++j) poles(i, j) = gp_Pnt(10 * i + noise(random), 7 * j + noise(random), 3 * noise(random));
+    for (int j = 1; j <= nv; ++j)
+      poles(i, j) = gp_Pnt(10 * i + noise(random), 7 * j + noise(random), 3 * noise(random));
   return poles;
 }
 
@@ -134,7 +136,8 @@ Handle(Geom_BSplineCurve) bspline_curve(int n, int p, bool rational) {
     poles(i) = gp_Pnt(30 + 4 * i, 3 * std::sin(i), 5 * std::cos(2 * i));
     weights(i) = rational ? 1 + 0.5 * std::sin(3 * i) : 1;
   }
-  return new Geom_BSplineCurve(poles, weights, array_of<TColStd_Array1OfReal>(k), array_of<TColStd_Array1OfInteger>(m), p);
+  return new Geom_BSplineCurve(poles, weights, array_of<TColStd_Array1OfReal>(k), array_of<TColStd_Array1OfInteger>(m),
+                               p);
 }
 
 // Parameters over the range: even, both ends, and every break with its close neighbourhood.
@@ -162,7 +165,8 @@ void check_surface(const Handle(Geom_Surface) & expected, double u0, double u1, 
       gp_Vec du, dv, duu, dvv, duv;
       expected->D2(u, v, p, du, dv, duu, dvv, duv);
       const SurfacePoint s = surface->evaluate(u, v);
-      const double scale = 1 + p.XYZ().Modulus() + du.Magnitude() + dv.Magnitude() + duu.Magnitude() + duv.Magnitude() + dvv.Magnitude();
+      const double scale =
+          1 + p.XYZ().Modulus() + du.Magnitude() + dv.Magnitude() + duu.Magnitude() + duv.Magnitude() + dvv.Magnitude();
       const double tolerance = 1e-11 * scale;
       CHECK(distance(s.p, p) <= tolerance);
       CHECK(distance(surface->point(u, v), p) <= tolerance);
@@ -282,11 +286,11 @@ TEST_CASE("surface: b-splines of degree 1 to 9, rational or not, at knots and en
     double u0, u1, v0, v1;
     s->Bounds(u0, u1, v0, v1);
     check_surface(s, u0, u1, v0, v1);
-    check_bounds(s, u0, u1, v0, v1, 1.5);
+    check_bounds(s, u0, u1, v0, v1, 2);
     const auto bicubic = bspline(9, 9, 3, 3, rational, 3);
     bicubic->Bounds(u0, u1, v0, v1);
     check_surface(bicubic, u0, u1, v0, v1);
-    check_bounds(bicubic, u0, u1, v0, v1, 1.5);
+    check_bounds(bicubic, u0, u1, v0, v1, 2);
   }
 }
 
@@ -310,8 +314,9 @@ TEST_CASE("surface: many poles find their span") {
   knots.push_back(at + 1);
   multiplicities.push_back(4);
   const Handle(Geom_BSplineSurface) s = new Geom_BSplineSurface(
-      wavy_net(1023, 4, 1), array_of<TColStd_Array1OfReal>(knots), array_of<TColStd_Array1OfReal>(std::vector<double>{0, 1}),
-      array_of<TColStd_Array1OfInteger>(multiplicities), array_of<TColStd_Array1OfInteger>(std::vector<int>{4, 4}), 3, 3);
+      wavy_net(1023, 4, 1), array_of<TColStd_Array1OfReal>(knots),
+      array_of<TColStd_Array1OfReal>(std::vector<double>{0, 1}), array_of<TColStd_Array1OfInteger>(multiplicities),
+      array_of<TColStd_Array1OfInteger>(std::vector<int>{4, 4}), 3, 3);
   const auto surface = make_surface(s);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> t(0, at + 1);
@@ -340,16 +345,22 @@ TEST_CASE("surface: a periodic b-spline closes, and parameters beyond its range 
 TEST_CASE("surface: Bezier, trimmed, swept and offset types") {
   check_surface(new Geom_BezierSurface(wavy_net(4, 3, 5)), 0, 1, 0, 1);
   check_surface(new Geom_BezierSurface(wavy_net(4, 6, 5), some_weights(4, 6, 9)), 0, 1, 0, 1);
-  check_surface(new Geom_RectangularTrimmedSurface(new Geom_CylindricalSurface(axes, 4), 1.0, 2.0, -3.0, 5.0), 1, 2, -3, 5);
+  check_surface(new Geom_RectangularTrimmedSurface(new Geom_CylindricalSurface(axes, 4), 1.0, 2.0, -3.0, 5.0), 1, 2, -3,
+                5);
 
   const auto curve = bspline_curve(8, 3, false), rational = bspline_curve(9, 4, true);
   const double first = curve->FirstParameter(), last = curve->LastParameter();
   check_surface(new Geom_SurfaceOfLinearExtrusion(curve, gp_Dir(0.2, 0.1, 1)), first, last, -3, 8);
-  check_surface(new Geom_SurfaceOfRevolution(curve, gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(0.1, -0.2, 1))), 0, 2 * pi, first, last);
-  check_surface(new Geom_SurfaceOfRevolution(rational, axes.Axis()), -1, 4, rational->FirstParameter(), rational->LastParameter());
-  check_surface(new Geom_SurfaceOfLinearExtrusion(new Geom_Ellipse(axes.Ax2(), 9, 4), gp_Dir(1, 0, 0.3)), 0, 2 * pi, 0, 5);
-  check_surface(new Geom_SurfaceOfRevolution(new Geom_Line(gp_Pnt(9, 0, 0), gp_Dir(0, 0.4, 1)), gp::OZ()), 0, 2 * pi, -4, 9);
-  check_bounds(new Geom_SurfaceOfRevolution(rational, axes.Axis()), 0, 2 * pi, rational->FirstParameter(), rational->LastParameter(), 2);
+  check_surface(new Geom_SurfaceOfRevolution(curve, gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(0.1, -0.2, 1))), 0, 2 * pi, first,
+                last);
+  check_surface(new Geom_SurfaceOfRevolution(rational, axes.Axis()), -1, 4, rational->FirstParameter(),
+                rational->LastParameter());
+  check_surface(new Geom_SurfaceOfLinearExtrusion(new Geom_Ellipse(axes.Ax2(), 9, 4), gp_Dir(1, 0, 0.3)), 0, 2 * pi, 0,
+                5);
+  check_surface(new Geom_SurfaceOfRevolution(new Geom_Line(gp_Pnt(9, 0, 0), gp_Dir(0, 0.4, 1)), gp::OZ()), 0, 2 * pi,
+                -4, 9);
+  check_bounds(new Geom_SurfaceOfRevolution(rational, axes.Axis()), 0, 2 * pi, rational->FirstParameter(),
+               rational->LastParameter(), 2);
 
   for (const double offset : {-1.5, 2.0}) {
     check_surface(new Geom_OffsetSurface(new Geom_Plane(axes), offset), -3, 4, 5, 6);
@@ -358,9 +369,12 @@ TEST_CASE("surface: Bezier, trimmed, swept and offset types") {
     check_surface(new Geom_OffsetSurface(new Geom_SphericalSurface(axes, 6), offset), 0, 6, -1, 1);
     check_surface(new Geom_OffsetSurface(new Geom_ToroidalSurface(axes, 16, 4), offset), 0, 6, 0, 6);
     check_surface(new Geom_OffsetSurface(new Geom_BezierSurface(wavy_net(4, 4, 5)), offset), 0, 1, 0, 1);
-    check_surface(new Geom_OffsetSurface(new Geom_BezierSurface(wavy_net(4, 4, 5), some_weights(4, 4, 2)), offset), 0, 1, 0, 1);
-    check_surface(new Geom_OffsetSurface(new Geom_SurfaceOfLinearExtrusion(curve, gp_Dir(0.2, 0.1, 1)), offset), first, last, -3, 8);
-    check_surface(new Geom_OffsetSurface(new Geom_SurfaceOfRevolution(curve, gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(0.1, -0.2, 1))), offset),
+    check_surface(new Geom_OffsetSurface(new Geom_BezierSurface(wavy_net(4, 4, 5), some_weights(4, 4, 2)), offset), 0,
+                  1, 0, 1);
+    check_surface(new Geom_OffsetSurface(new Geom_SurfaceOfLinearExtrusion(curve, gp_Dir(0.2, 0.1, 1)), offset), first,
+                  last, -3, 8);
+    check_surface(new Geom_OffsetSurface(
+                      new Geom_SurfaceOfRevolution(curve, gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(0.1, -0.2, 1))), offset),
                   0, 2 * pi, first, last);
   }
 }
