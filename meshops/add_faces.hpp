@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "meshops/mesh_view.hpp"
+
+namespace tri {
+
+/// Corners of a triangle of a mesh, counter-clockwise seen from its front.
+using VertexTriple = std::array<VertexHandle, 3>;
+
+/// Whether a batch of triangles fits into a mesh.
+enum class FitResult {
+  fits,
+  degenerate,           ///< a triangle with a repeated, invalid or deleted corner
+  edge_in_use,          ///< a directed edge that has a face already, in the mesh or in the batch
+  vertex_not_manifold,  ///< a vertex would get more fans of faces than it had (or than one)
+};
+
+/// The result in words, for reports: "edge in use".
+std::string_view to_string(FitResult result);
+
+/// Checks a batch without changing the mesh; what a vertex looks like is judged after the whole batch.
+FitResult check_faces(MeshView mesh, std::span<const VertexTriple> triangles);
+
+/// Adds all triangles of the batch, or none if they do not fit.
+///
+/// Unlike OpenMesh's `add_face`, which looks at one face at a time, the order of the triangles does not matter, an edge between two new faces
+/// is no obstacle, and a vertex may be a bow-tie in between. Existing handles keep. A new face gets the properties of a face beside it
+/// (one of the mesh, or an earlier one of the batch) with its status cleared; new edges and half-edges get default values.
+/// @param added  the new faces are appended in the order of the batch; may be null.
+FitResult add_faces(MeshView mesh, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added = nullptr);
+
+}  // namespace tri
