@@ -15,9 +15,8 @@ Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * ((b
 
 bool is_zero(const Vec3& v) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
 
-/// 1 - cos of the angle between two unit normals; a triangle without area has no normal and counts as a right angle, so
-/// that it is chosen only where nothing flat is to be had.
-double turn(const Vec3& a, const Vec3& b) { return is_zero(a) || is_zero(b) ? 1.0 : 1.0 - (a | b); }
+/// 1 - cos of the angle between two unit normals; a triangle without area has no normal and counts as a fold.
+double turn(const Vec3& a, const Vec3& b) { return is_zero(a) || is_zero(b) ? 2.0 : 1.0 - (a | b); }
 
 Vec3 newell_normal(std::span<const Vec3> ring) {
   Vec3 sum(0, 0, 0);
@@ -38,7 +37,7 @@ class EarCutter {
       reference_[i] = vertex_normals.empty() ? mean : unit(vertex_normals[i] + mean);
     }
     for (int i = 0; i < n_; ++i) {
-      reflex_[i] = folds(i);
+      reflex_[i] = bend(i);
       if (reflex_[i]) reflex_list_.push_back(i);
     }
     for (int i = 0; i < n_; ++i) push(i);
@@ -71,23 +70,25 @@ class EarCutter {
 
  private:
   struct Ear {
-    bool last;  // folds or covers a vertex: only when nothing else is left
+    int rank;  // 0 flat, 1 upright, 2 folds or covers a vertex: only when nothing else is left
     double diagonal;
     int vertex;
     int stamp;
     bool operator<(const Ear& other) const {  // std::priority_queue pops the greatest
-      if (last != other.last) return last;
+      if (rank != other.rank) return rank > other.rank;
       if (diagonal != other.diagonal) return diagonal > other.diagonal;
       return vertex > other.vertex;
     }
   };
 
-  bool folds(int b) const {
+  /// 0 if the ear of `b` lies along the surface, 1 if it stands upright on it or has no area, 2 if it folds back.
+  char bend(int b) const {
     const Vec3 normal = unit(area_vector(ring_[previous_[b]], ring_[b], ring_[next_[b]]));
-    return (normal | reference_[b]) < -0.25;  // nearly perpendicular says nothing, say at the rim of a tube
+    const double along = normal | reference_[b];
+    return along > 0.3 ? 0 : along > -0.3 ? 1 : 2;
   }
 
-  /// The first reflex vertex that ear `b` would cover, seen along the ear's normal; -1 if none.
+  /// The first vertex which is not convex that ear `b` would cover, seen along the ear's normal; -1 if none.
   int covered(int b) {
     const Vec3 &p = ring_[previous_[b]], &q = ring_[b], &r = ring_[next_[b]];
     const Vec3 normal = (q - p) % (r - p);
@@ -116,15 +117,15 @@ class EarCutter {
       const int p = previous_[b], r = next_[b];
       if (!chord_allowed_(std::min(p, r), std::max(p, r))) return;
     }
-    bool last = reflex_[b] != 0;
-    if (!last) {
+    int rank = reflex_[b];
+    if (rank < 2) {
       const int blocker = covered(b);
       if (blocker >= 0) {
-        last = true;
+        rank = 2;
         waiting_[blocker].push_back(b);
       }
     }
-    queue_.push({last, (ring_[next_[b]] - ring_[previous_[b]]).norm(), b, stamp_[b]});
+    queue_.push({rank, (ring_[next_[b]] - ring_[previous_[b]]).norm(), b, stamp_[b]});
   }
 
   int pop() {
@@ -139,8 +140,9 @@ class EarCutter {
   void renew(int b) {
     if (stamp_[b] < 0) return;
     ++stamp_[b];
-    const bool was = reflex_[b] != 0, is = folds(b);
-    reflex_[b] = is;
+    const bool was = reflex_[b] != 0;
+    reflex_[b] = bend(b);
+    const bool is = reflex_[b] != 0;
     if (is && !was) reflex_list_.push_back(b);
     push(b);
     if (was && !is) wake(b);
@@ -172,7 +174,7 @@ class EarCutter {
   const std::function<bool(int, int)>& chord_allowed_;
   int n_, size_;
   std::vector<int> next_, previous_, stamp_;
-  std::vector<char> reflex_;
+  std::vector<char> reflex_;  // bend() of each vertex; not convex if above 0
   std::vector<int> reflex_list_;
   std::vector<std::vector<int>> waiting_;
   std::vector<Vec3> reference_;

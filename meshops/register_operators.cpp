@@ -1,4 +1,6 @@
 #include "meshops/operators/compact.hpp"
+#include "meshops/operators/extract_boundaries.hpp"
+#include "meshops/operators/fill_holes.hpp"
 #include "meshops/registry.hpp"
 
 namespace tri {
@@ -6,6 +8,8 @@ namespace tri {
 void register_operators(Registry& registry) {
   registry.add("compact", compact, "Drops elements marked as deleted; the others keep their order",
                {.keeps_handles = false});
+  registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
+  registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
 }
 
 }  // namespace tri

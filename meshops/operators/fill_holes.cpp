@@ -53,6 +53,21 @@ class Hole {
     return face(0) == face(1) && face(1) == face(2);
   }
 
+  /// Whether the hole's side faces away from that of the faces at the rim: so it is the outer rim of a sheet, whose triangles would lie
+  /// on the sheet's back.
+  bool rim_of_sheet() const {
+    Vec3 across(0, 0, 0);
+    for (std::size_t i = 1; i + 1 < points_.size(); ++i) across += (points_[i] - points_[0]) % (points_[i + 1] - points_[0]);
+    across = unit(across);
+    double sum = 0, length = 0;
+    for (std::size_t i = 0; i < rim_.size(); ++i) {
+      const double weight = (points_[(i + 1) % points_.size()] - points_[i]).norm();
+      sum += weight * (across | face_normal(view_.mesh.face_handle(view_.mesh.opposite_halfedge_handle(rim_[i]))));
+      length += weight;
+    }
+    return sum < -0.5 * length;
+  }
+
   /// The triangles that close it, in the mesh's vertices; empty if there is none without an existing edge.
   std::vector<VertexTriple> triangulate(const FillHolesOptions& options, bool& cut_down) {
     find_forbidden();
@@ -191,6 +206,8 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
       skip("loop meets itself in a vertex");
     } else if (hole.around_single_triangle()) {
       skip("rim of a single triangle");
+    } else if (hole.rim_of_sheet()) {
+      skip("rim of a sheet");
     } else if (options.reference && options.reference->keeps_open(hole.vertices())) {
       skip("kept open by the reference");
     } else {

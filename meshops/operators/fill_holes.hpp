@@ -36,8 +36,9 @@ struct FillHolesOptions {
 /// rim. No chord is used that is an edge of the mesh already, so no edge gets more than two faces and no triangle appears twice; if a hole
 /// cannot be triangulated the mesh is not modified there. Loops left open are counted in `skipped` by reason: "loop longer than
 /// max-edges", "loop wider than max-diameter", "loop meets itself in a vertex", "rim of a single triangle", "kept open by the reference",
-/// "no triangulation without an existing edge".
-/// Every boundary loop counts as a hole, the outer rim of a sheet too: bound it by `max_edges` or `max_diameter`.
+/// "no triangulation without an existing edge", "rim of a sheet".
+/// The last is the outer rim of a sheet or an island: the new faces would lie on the back of those at the rim (the mean
+/// cosine between the loop's own normal and the normals of the faces along it is below -0.5). Every other loop counts as a hole, both ends of an open tube too: bound them by `max_edges` or `max_diameter`.
 /// Figures: "holes filled", "holes cut down first" (those above `max_dynamic_edges`). The triangulation is not checked for
 /// intersections with other parts of the mesh.
 /// On cancel (checked between holes): the holes finished so far stay filled and the mesh is valid.
