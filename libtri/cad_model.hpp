@@ -18,13 +18,15 @@ struct Coedge {
   bool reversed = false;                 ///< the loop runs against the edge's own direction
   std::shared_ptr<const Curve2> pcurve;  ///< (u,v) over [first, last], in the edge's own direction
   double first = 0, last = 0;
-  std::vector<Vec2> polyline;            ///< pcurve within the chord tolerance, in the loop's direction, both ends included
+  /// pcurve within the chord tolerance, in the loop's direction, both ends included. The next coedge may start a gap away, as
+  /// wide as the file's tolerances: join the two with a straight segment.
+  std::vector<Vec2> polyline;
 };
 
 /// A closed sequence of coedges; the face's material lies to its left in (u,v) (before `reversed` is applied).
 struct TrimLoop {
   std::vector<Coedge> coedges;
-  bool outer = false;
+  bool outer = false;  ///< bounds the material from outside; the others are holes
 };
 
 /// A trimmed face of any surface type. (u,v) are those of the surface as read.
@@ -42,12 +44,14 @@ struct CadFace {
 };
 
 /// A curve where faces meet, or a free rim.
+///
+/// Entry i of CadModel::edges is edge i + 1 in TopExp::MapShapes order of CadModel::shape.
 struct CadEdge {
   std::vector<int> faces;      ///< 0-based positions in CadModel::faces, one entry per use (a seam names its face twice)
   std::vector<Vec3> polyline;  ///< the curve in space within the chord tolerance; a single point for a degenerate edge
   double tolerance = 0;        ///< mm, as the file states
   bool degenerate = false;     ///< a pole: a point in space, a curve in (u,v)
-  int start_vertex = -1, end_vertex = -1;  ///< 0-based ids of topological vertices
+  int start_vertex = -1, end_vertex = -1;  ///< 0-based positions in CadModel::vertices; -1 if the edge has none there
 };
 
 /// A face of the file that could not be used.
@@ -61,13 +65,21 @@ struct UnusableFace {
 struct CadModel {
   std::vector<CadFace> faces;
   std::vector<CadEdge> edges;
+  std::vector<Vec3> vertices;  ///< topological vertices, in TopExp::MapShapes order of `shape`
   std::vector<UnusableFace> unusable_faces;
+  std::vector<std::string> warnings;  ///< what was repaired or is odd, one line each, naming faces by CadFace::index
   Vec3 box_min{0, 0, 0}, box_max{0, 0, 0};
   double diagonal = 0;         ///< mm, of the tight bounding box
-  Shape shape;                 ///< the shape after sewing, for what still needs OpenCASCADE
+  Shape shape;                 ///< a copy of the shape after sewing and repair, for what still needs OpenCASCADE
 };
 
-/// Reads the faces, trimming loops and adjacency of `shape` (sewn as `sewn()` says, where it has no topology of its own).
+/// Reads the faces, trimming loops and adjacency of `shape`, sewn as `sewn()` says where it has no topology of its own.
+///
+/// Polylines keep within 1e-5 of the model's diagonal, measured in space. The outward side of a face is the one that its shell (after
+/// sewing) gives it; a model that is inside out stays so. Faces that cannot be used are named in `unusable_faces`;
+/// whatever they shared with others becomes a free edge. `shape` itself is not changed.
+/// @param sew_tolerance  mm, > 0
+/// @throws InvalidInput if `shape` is empty or the tolerance is not positive.
 /// @throws CadError if no face is usable.
 CadModel make_cad_model(const Shape& shape, double sew_tolerance = 0.01);
 

@@ -1,21 +1,27 @@
 #include "libtri/shape.hpp"
 
-#include <BRepBuilderAPI_Sewing.hxx>
-#include <TopExp_Explorer.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
 
 #include "libtri/shape_occt.hpp"
+#include "libtri/shape_preparation_occt.hpp"
+#include "meshops/error.hpp"
 
 namespace tri {
 
 Shape sewn(const Shape& shape, double tolerance) {
-  int shells = 0;
-  for (TopExp_Explorer it(occt(shape), TopAbs_SHELL); it.More(); it.Next()) ++shells;
-  const bool has_solid = TopExp_Explorer(occt(shape), TopAbs_SOLID).More();
-  if (has_solid || shells == 1) return shape;
-  BRepBuilderAPI_Sewing sewing(tolerance);
-  sewing.Add(occt(shape));
-  sewing.Perform();
-  return make_shape(sewing.SewedShape());
+  if (shape.empty()) throw InvalidInput("sewn: the shape is empty");
+  if (!needs_sewing(occt(shape))) return shape;
+  PreparedShape prepared = track_faces(occt(shape));
+  sew(prepared, tolerance);
+  TopTools_IndexedMapOfShape map;
+  TopExp::MapShapes(prepared.shape, TopAbs_FACE, map);
+  const std::vector<std::string>& old_names = shape.impl().face_names;
+  std::vector<std::string> names(old_names.empty() ? 0 : static_cast<std::size_t>(map.Extent()));
+  for (std::size_t i = 0; i < old_names.size(); ++i)
+    if (const int k = prepared.faces[i].IsNull() ? 0 : map.FindIndex(prepared.faces[i]); k > 0)
+      names[static_cast<std::size_t>(k) - 1] = old_names[i];
+  return make_shape(prepared.shape, std::move(names));
 }
 
 }  // namespace tri

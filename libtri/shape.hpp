@@ -23,7 +23,7 @@ class Shape {
 };
 
 /// Sews loose faces into shells at `tolerance` mm where the shape holds neither a solid nor exactly one shell; any other
-/// shape is returned as it is. Faces keep their order and their surfaces.
+/// shape is returned as it is. Faces keep their surfaces and names; their order may change (CadFace::shape_face follows it).
 Shape sewn(const Shape& shape, double tolerance = 0.01);
 
 }  // namespace tri

@@ -1,0 +1,308 @@
+#include "libtri/cad_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <BRepBndLib.hxx>
+#include <BRepGProp.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
+#include <Geom2dAdaptor_Curve.hxx>
+#include <GeomAdaptor_Curve.hxx>
+#include <GeomAdaptor_Surface.hxx>
+#include <Precision.hxx>
+#include <Standard_Failure.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <fmt/format.h>
+
+#include "libtri/adaptive_polyline.hpp"
+#include "libtri/cad_polylines.hpp"
+#include "libtri/disjoint_sets.hpp"
+#include "libtri/geometry_occt.hpp"
+#include "libtri/shape_occt.hpp"
+#include "libtri/shape_preparation_occt.hpp"
+#include "libtri/trim_loops_occt.hpp"
+#include "meshops/error.hpp"
+
+namespace tri {
+namespace {
+
+constexpr double chord_share = 1e-5;  // of the diagonal
+
+Vec3 to_vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
+
+std::string describe(const Standard_Failure& failure) {
+  const char* text = failure.GetMessageString();
+  return fmt::format("OpenCASCADE: {} {}", failure.DynamicType()->Name(), text ? text : "");
+}
+
+const char* type_name(GeomAbs_SurfaceType type) {
+  switch (type) {
+    case GeomAbs_Plane: return "plane";
+    case GeomAbs_Cylinder: return "cylinder";
+    case GeomAbs_Cone: return "cone";
+    case GeomAbs_Sphere: return "sphere";
+    case GeomAbs_Torus: return "torus";
+    case GeomAbs_BezierSurface: return "bezier";
+    case GeomAbs_BSplineSurface: return "b-spline";
+    case GeomAbs_SurfaceOfRevolution: return "revolution";
+    case GeomAbs_SurfaceOfExtrusion: return "extrusion";
+    case GeomAbs_OffsetSurface: return "offset";
+    default: return "other";
+  }
+}
+
+/// Where the pieces of a curve meet; a straight line has none and needs few pieces.
+template <class Adaptor>
+std::vector<double> inner_breaks(const Adaptor& adaptor) {
+  const int n = adaptor.NbIntervals(GeomAbs_C2);
+  TColStd_Array1OfReal intervals(1, n + 1);
+  adaptor.Intervals(intervals, GeomAbs_C2);
+  std::vector<double> result;
+  for (int i = 2; i <= n; ++i) result.push_back(intervals(i));
+  return result;
+}
+
+/// Reads the faces of a prepared shape one by one.
+class Reader {
+ public:
+  Reader(const Shape& source, PreparedShape prepared) : source_(source), prepared_(std::move(prepared)) {
+    TopExp::MapShapes(prepared_.shape, TopAbs_FACE, faces_);
+    TopExp::MapShapes(prepared_.shape, TopAbs_EDGE, edges_);
+    TopExp::MapShapes(prepared_.shape, TopAbs_VERTEX, vertices_);
+  }
+
+  CadModel read() {
+    model_.shape = make_shape(prepared_.shape);
+    model_.warnings = prepared_.warnings;
+    read_box();
+    for (int i = 1; i <= vertices_.Extent(); ++i)
+      model_.vertices.push_back(to_vec(BRep_Tool::Pnt(TopoDS::Vertex(vertices_(i)))));
+    for (int i = 1; i <= edges_.Extent(); ++i) model_.edges.push_back(read_edge(TopoDS::Edge(edges_(i))));
+    for (std::size_t i = 0; i < prepared_.faces.size(); ++i) read_face(i);
+    if (model_.faces.empty()) throw CadError(no_face_message());
+    number_shells();
+    return std::move(model_);
+  }
+
+ private:
+  std::string name_of(std::size_t i) const {
+    const auto& names = source_.impl().face_names;
+    return i < names.size() ? names[i] : std::string();
+  }
+
+  void read_box() {
+    Bnd_Box box;
+    BRepBndLib::AddOptimal(prepared_.shape, box, Standard_False, Standard_False);
+    if (box.IsVoid() || box.IsOpen()) return;
+    model_.box_min = to_vec(box.CornerMin());
+    model_.box_max = to_vec(box.CornerMax());
+    model_.diagonal = (model_.box_max - model_.box_min).norm();
+  }
+
+  double tolerance() const { return chord_share * model_.diagonal; }
+
+  CadEdge read_edge(const TopoDS_Edge& oriented) const {
+    const TopoDS_Edge edge = TopoDS::Edge(oriented.Oriented(TopAbs_FORWARD));
+    CadEdge result;
+    result.tolerance = BRep_Tool::Tolerance(edge);
+    result.degenerate = BRep_Tool::Degenerated(edge);
+    const TopoDS_Vertex start = TopExp::FirstVertex(edge), end = TopExp::LastVertex(edge);
+    if (!start.IsNull()) result.start_vertex = vertices_.FindIndex(start) - 1;
+    if (!end.IsNull()) result.end_vertex = vertices_.FindIndex(end) - 1;
+    double first, last;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
+    if (result.degenerate) {
+      if (result.start_vertex >= 0) result.polyline = {model_.vertices[static_cast<std::size_t>(result.start_vertex)]};
+    } else if (!curve.IsNull() && !Precision::IsInfinite(first) && !Precision::IsInfinite(last)) {
+      const GeomAdaptor_Curve adaptor(curve, first, last);
+      result.polyline = space_polyline([&](double t) { return to_vec(adaptor.Value(t)); }, first, last,
+                                       inner_breaks(adaptor), adaptor.GetType() == GeomAbs_Line ? 1 : 12);
+    }
+    return result;
+  }
+
+  template <class Point>
+  std::vector<Vec3> space_polyline(Point point, double first, double last, std::vector<double> inner, int pieces) const {
+    const auto deviation = [&](double t0, double t, double t1) {
+      const Vec3 a = point(t0), chord = point(t1) - a, d = point(t) - a;
+      const double cc = chord | chord;
+      const double share = cc > 0 ? std::clamp((d | chord) / cc, 0.0, 1.0) : 0.0;
+      return (d - share * chord).norm();
+    };
+    std::vector<Vec3> result;
+    for (const double t :
+         adaptive_parameters(breaks_between(first, last, std::move(inner), pieces), deviation, tolerance()))
+      result.push_back(point(t));
+    return result;
+  }
+
+  void read_face(std::size_t i) {
+    const int index = static_cast<int>(i) + 1;
+    std::string reason = prepared_.lost[i];
+    CadFace face;
+    face.index = index;
+    face.name = name_of(i);
+    if (reason.empty()) {
+      try {
+        reason = fill_face(TopoDS::Face(prepared_.faces[i]), face);
+      } catch (const Standard_Failure& failure) {
+        reason = describe(failure);
+      } catch (const Error& failure) {
+        reason = failure.what();
+      }
+    }
+    if (!reason.empty()) {
+      model_.unusable_faces.push_back({index, face.name, reason});
+      return;
+    }
+    const int position = static_cast<int>(model_.faces.size());
+    for (const TrimLoop& loop : face.loops)
+      for (const Coedge& coedge : loop.coedges) model_.edges[static_cast<std::size_t>(coedge.edge)].faces.push_back(position);
+    model_.faces.push_back(std::move(face));
+  }
+
+  /// Returns why the face cannot be used, or "".
+  std::string fill_face(const TopoDS_Face& shape, CadFace& face) {
+    face.shape_face = faces_.FindIndex(shape);
+    face.reversed = faces_(face.shape_face).Orientation() == TopAbs_REVERSED;
+    const Handle(Geom_Surface) surface = BRep_Tool::Surface(shape);
+    if (surface.IsNull()) return "it has no surface";
+    face.surface_type = type_name(GeomAdaptor_Surface(surface).GetType());
+    const WireLoops wires = wire_loops(shape);
+    if (!wires.error.empty()) return wires.error;
+    if (wires.worst_gap > 0.25)
+      return fmt::format("a trimming loop does not close: it jumps over {:.0f}% of the parameter box", 100 * wires.worst_gap);
+    if (wires.worst_gap > 0.02) warn(face, fmt::format("a trimming loop jumps over {:.1f}% of the parameter box", 100 * wires.worst_gap));
+    if (wires.internal_edges > 0) warn(face, fmt::format("{} edges inside its material are left out", wires.internal_edges));
+    face.surface = make_surface(surface);
+    face.u_min = face.v_min = std::numeric_limits<double>::infinity();
+    face.u_max = face.v_max = -std::numeric_limits<double>::infinity();
+    for (const auto& wire : wires.loops) {
+      TrimLoop loop;
+      for (const WireEdge& use : wire) loop.coedges.push_back(read_coedge(use, face));
+      face.loops.push_back(std::move(loop));
+    }
+    for (const double bound : {face.u_min, face.u_max, face.v_min, face.v_max})
+      if (!std::isfinite(bound)) return "its parameter box is not finite";
+    GProp_GProps properties;
+    BRepGProp::SurfaceProperties(shape, properties);
+    face.area = std::abs(properties.Mass());
+    if (!std::isfinite(face.area)) return "its area is not finite";
+    const double smallest = std::pow(1e-9 * model_.diagonal, 2);
+    if (face.area <= smallest) return fmt::format("its area is zero ({:.3g} mm^2)", face.area);
+    return orient_loops(face);
+  }
+
+  Coedge read_coedge(const WireEdge& use, CadFace& face) const {
+    Coedge coedge;
+    coedge.edge = edges_.FindIndex(use.edge) - 1;
+    coedge.reversed = use.reversed;
+    coedge.first = use.first;
+    coedge.last = use.last;
+    coedge.pcurve = make_curve2(use.pcurve, use.first, use.last);
+    const Geom2dAdaptor_Curve adaptor(use.pcurve, use.first, use.last);
+    ParameterPolyline line =
+        parameter_polyline(*coedge.pcurve, use.first, use.last, *face.surface, inner_breaks(adaptor),
+                           adaptor.GetType() == GeomAbs_Line ? 4 : 12, tolerance());
+    extend_range(*coedge.pcurve, line, 0, face.u_min, face.u_max);
+    extend_range(*coedge.pcurve, line, 1, face.v_min, face.v_max);
+    if (use.reversed) std::reverse(line.points.begin(), line.points.end());
+    coedge.polyline = std::move(line.points);
+    return coedge;
+  }
+
+  /// Material to the left of every loop: outer loops run counter-clockwise, holes clockwise.
+  std::string orient_loops(CadFace& face) {
+    const std::size_t n = face.loops.size();
+    std::vector<std::vector<Vec2>> polygons(n);
+    std::vector<double> areas(n);
+    const Vec2 scale(1 / std::max(face.u_max - face.u_min, 1e-300), 1 / std::max(face.v_max - face.v_min, 1e-300));
+    for (std::size_t k = 0; k < n; ++k) {
+      for (const Coedge& coedge : face.loops[k].coedges)
+        for (const Vec2& p : coedge.polyline)
+          polygons[k].emplace_back((p[0] - face.u_min) * scale[0], (p[1] - face.v_min) * scale[1]);
+      areas[k] = twice_area(polygons[k]);
+    }
+    bool has_material = false;
+    for (std::size_t k = 0; k < n; ++k) {
+      int depth = 0;
+      for (std::size_t m = 0; m < n; ++m)
+        if (m != k && std::abs(areas[m]) > std::abs(areas[k]) && mostly_inside(polygons[k], polygons[m])) ++depth;
+      TrimLoop& loop = face.loops[k];
+      loop.outer = depth % 2 == 0;
+      has_material = has_material || (loop.outer && std::abs(areas[k]) > 1e-12);
+      if (areas[k] != 0 && loop.outer != (areas[k] > 0)) {
+        reverse(loop);
+        warn(face, loop.outer ? "its outer loop ran backwards" : "the loop of a hole ran backwards");
+      }
+    }
+    return has_material ? std::string() : std::string("its trimming loops enclose nothing in (u,v)");
+  }
+
+  static bool mostly_inside(const std::vector<Vec2>& inner, const std::vector<Vec2>& outer) {
+    int votes = 0;
+    for (std::size_t s = 0; s < 5; ++s) votes += inside_polygon(outer, inner[s * inner.size() / 5]) ? 1 : -1;
+    return votes > 0;
+  }
+
+  static void reverse(TrimLoop& loop) {
+    std::reverse(loop.coedges.begin(), loop.coedges.end());
+    for (Coedge& coedge : loop.coedges) {
+      coedge.reversed = !coedge.reversed;
+      std::reverse(coedge.polyline.begin(), coedge.polyline.end());
+    }
+  }
+
+  void number_shells() {
+    DisjointSets sets(model_.faces.size());
+    for (const CadEdge& edge : model_.edges)
+      for (const int f : edge.faces) sets.join(static_cast<std::size_t>(f), static_cast<std::size_t>(edge.faces.front()));
+    std::vector<int> number(model_.faces.size(), -1);
+    int count = 0;
+    for (std::size_t f = 0; f < model_.faces.size(); ++f) {
+      int& shell = number[sets.find(f)];
+      if (shell < 0) shell = count++;
+      model_.faces[f].shell = shell;
+    }
+  }
+
+  void warn(const CadFace& face, const std::string& text) {
+    model_.warnings.push_back(fmt::format("face {}{}: {}", face.index, face.name.empty() ? "" : " (" + face.name + ")", text));
+  }
+
+  std::string no_face_message() const {
+    if (model_.unusable_faces.empty()) return "the model holds no face";
+    const UnusableFace& first = model_.unusable_faces.front();
+    return fmt::format("none of the model's {} faces can be used; face {}: {}", model_.unusable_faces.size(), first.index,
+                       first.reason);
+  }
+
+  const Shape& source_;
+  PreparedShape prepared_;
+  TopTools_IndexedMapOfShape faces_, edges_, vertices_;
+  CadModel model_;
+};
+
+}  // namespace
+
+CadModel make_cad_model(const Shape& shape, double sew_tolerance) {
+  if (shape.empty() || occt(shape).IsNull()) throw InvalidInput("make_cad_model: the shape is empty");
+  if (!(sew_tolerance > 0) || !std::isfinite(sew_tolerance))
+    throw InvalidInput(fmt::format("make_cad_model: the sewing tolerance is {}, must be above 0", sew_tolerance));
+  try {
+    return Reader(shape, prepare_shape(occt(shape), sew_tolerance)).read();
+  } catch (const Standard_Failure& failure) {
+    throw CadError("the model cannot be prepared: " + describe(failure));
+  }
+}
+
+}  // namespace tri
