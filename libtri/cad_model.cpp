@@ -194,7 +194,7 @@ class Reader {
     for (const double bound : {face.u_min, face.u_max, face.v_min, face.v_max})
       if (!std::isfinite(bound)) return "its parameter box is not finite";
     GProp_GProps properties;
-    BRepGProp::SurfaceProperties(shape, properties);
+    BRepGProp::SurfaceProperties(shape, properties, 1e-3);
     face.area = std::abs(properties.Mass());
     if (!std::isfinite(face.area)) return "its area is not finite";
     const double smallest = std::pow(1e-9 * model_.diagonal, 2);
