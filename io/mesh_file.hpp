@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "meshops/context.hpp"
+#include "meshops/mesh_view.hpp"
+#include "meshops/soup.hpp"
+
+namespace tri {
+
+enum class MeshFormat { stl, obj, ply, off };
+enum class MeshEncoding { ascii, binary_little_endian, binary_big_endian };
+
+/// "STL", "OBJ", "PLY" or "OFF".
+std::string_view name_of(MeshFormat format);
+/// "ASCII", "binary little endian" or "binary big endian".
+std::string_view name_of(MeshEncoding encoding);
+
+/// What a mesh file held, beside the soup read from it.
+struct MeshFileInfo {
+  MeshFormat format = MeshFormat::stl;
+  MeshEncoding encoding = MeshEncoding::ascii;
+  std::uint64_t bytes = 0;           ///< size of the file
+  std::uint64_t polygons = 0;        ///< faces in the file that have three corners or more
+  std::uint64_t polygons_split = 0;  ///< of these, faces with more than three corners, cut into triangles
+  std::vector<std::string> parts;    ///< names of solids, objects and groups, in the order of the file; may hold ""
+  /// What the file holds and the soup does not (texture coordinates, materials …), and what was odd: one sentence each.
+  std::vector<std::string> notes;
+};
+
+/// Reads a triangle mesh from STL, OBJ, PLY or OFF. The content decides about the format, the file name where the
+/// content leaves it open.
+///
+/// Every face is kept, in the order of the file, also degenerate and duplicate ones; a polygon of n corners becomes n-2
+/// triangles of its own corners (a fan if it is convex, else by ear clipping). Faces of fewer than three corners cannot
+/// be triangles; they are counted in a note. Vertices keep their order and are kept when no face uses them. STL has no
+/// shared vertices: corners with identical coordinates (0 and -0 are identical) become one vertex, numbered by first
+/// occurrence. Coordinates are the doubles nearest to what the file says.
+///
+/// From PLY come vertex normals, 8-bit vertex colours and every scalar property of vertices and faces; from OBJ and OFF
+/// vertex colours and normals where each vertex has one.
+///
+/// @param path file name, or "-" for standard input
+/// @param info if given, receives what else is known about the file; `notes` also go to the context's log
+/// @throws IoError with line or byte offset: not a mesh, truncated, a coordinate that is not finite, an index out of
+/// range, a
+///         count in the header that the file cannot hold.
+/// @throws Cancelled within some 100,000 elements.
+Soup read_mesh(const std::string& path, Context& context, MeshFileInfo* info = nullptr);
+
+/// As `read_mesh`, from bytes in memory. @param name used for messages and, by its extension, for the format.
+Soup parse_mesh(std::string_view bytes, const std::string& name, Context& context, MeshFileInfo* info = nullptr);
+
+struct MeshWriteOptions {
+  bool ascii = false;  ///< text instead of binary, for STL and PLY; OBJ and OFF are always text
+};
+
+/// What a format could not hold.
+struct MeshWriteReport {
+  MeshFormat format = MeshFormat::ply;
+  double max_rounding = 0;             ///< largest change of a coordinate, model units; only binary STL (floats) rounds
+  std::uint64_t rounded_vertices = 0;  ///< vertices with a coordinate that changed
+  std::vector<std::string> notes;      ///< one sentence each: what was rounded or not written
+};
+
+/// Writes a mesh in the format that the file name ends in: .stl, .obj, .ply or .off (any case).
+///
+/// The file appears whole or not at all. Order of vertices and faces is kept. Text holds the shortest decimal that
+/// reads back as the same double; binary PLY (little endian) holds doubles; binary STL holds floats. PLY: `double x y
+/// z`, normals, `point_index cad_face u v deviation` and further scalars by name, `uchar red green blue`; scalars are
+/// doubles, but `point_index` and `cad_face` are ints if every value is one. OBJ and OFF hold positions, normals and
+/// colours.
+///
+/// @param path file name; "-" is not possible, since the format is not known from it
+/// @throws InvalidInput if the extension is unknown or the soup is inconsistent (an index out of range, an attribute of
+/// the
+///         wrong length, a coordinate that is not finite or beyond what the format holds); nothing is written.
+/// @throws IoError as `AtomicFile` does.
+MeshWriteReport write_mesh(const std::string& path, const Soup& soup, const MeshWriteOptions& options,
+                           Context& context);
+
+}  // namespace tri

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "io/mesh_file.hpp"
+
+namespace tri::io_detail {
+
+/// Collects the faces of a file and cuts polygons into triangles once all points are known.
+///
+/// A polygon of n >= 3 corners becomes n-2 consecutive triangles. One that is convex (and one that is degenerate, or
+/// has more than 2000 corners) becomes a fan around its first corner; any other is cut by ear clipping in its mean
+/// plane [Newell's normal], with the orientation of the polygon.
+class PolygonCollector {
+ public:
+  /// Adds one face. @param corners vertex indices, in order @return number of triangles it became: 0 with fewer than 3
+  /// corners
+  std::size_t add(std::span<const std::uint32_t> corners);
+
+  std::size_t triangles() const { return triangles_.size(); }
+
+  /// Moves the triangles into the soup, whose points must be complete and every index of which must be in range.
+  void finish(Soup& soup, MeshFileInfo& info, Context& context);
+
+ private:
+  struct Polygon {
+    std::size_t first_triangle;
+    std::size_t first_corner;
+    std::size_t size;
+  };
+  std::vector<Triangle> triangles_;
+  std::vector<Polygon> polygons_;
+  std::vector<std::uint32_t> corners_;
+  std::uint64_t faces_ = 0;
+  std::uint64_t too_small_ = 0;
+};
+
+}  // namespace tri::io_detail

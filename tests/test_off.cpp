@@ -1,0 +1,115 @@
+#include "mesh_io_helpers.hpp"
+
+using namespace tri;
+using namespace tri::test;
+
+namespace {
+
+const std::string triangle_off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+}  // namespace
+
+TEST_CASE("off: comments, blank lines, counts on the first line, CRLF, missing edges") {
+  for (const char* text :
+       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
+        "# made by\n\nOFF # key\n# counts\n3 1\n\n0 0 0 # first\n1 0 0\n# mid\n0 1 0\n3 0 1 2 # f\n#end",
+        "OFF\r\n3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n",
+        "\xEF\xBB\xBFOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r",
+        "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}) {
+    CAPTURE(text);
+    const Soup soup = parsed(text, "a.off");
+    CHECK(soup.points == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    CHECK(soup.triangles == std::vector<Triangle>{{0, 1, 2}});
+  }
+}
+
+TEST_CASE("off: polygons are triangulated, edges counted, vertices without a face kept") {
+  MeshFileInfo info;
+  const Soup soup =
+      parsed("OFF\n6 4 0\n0 0 0\n2 0 0\n2 2 0\n1 0.5 0\n0 2 0\n9 9 9\n4 0 1 2 4\n2 0 1\n5 0 1 2 3 4\n3 0 0 0\n",
+             "a.off", &info);
+  CHECK(soup.points.size() == 6);
+  REQUIRE(soup.triangles.size() == 6);
+  CHECK(soup.triangles[0] == Triangle{0, 1, 2});
+  CHECK(soup.triangles[1] == Triangle{0, 2, 4});
+  CHECK(soup.triangles[5] == Triangle{0, 0, 0});
+  // The pentagon with a notch at (1, 0.5): three triangles that turn left and cover its area of 4 - 1.5.
+  double area = 0;
+  for (std::size_t i = 2; i < 5; ++i) {
+    const auto& t = soup.triangles[i];
+    const Vec3 twice = (soup.points[t[1]] - soup.points[t[0]]) % (soup.points[t[2]] - soup.points[t[0]]);
+    CHECK(twice[2] > 0);
+    area += twice[2] / 2;
+  }
+  CHECK(area == doctest::Approx(2.5));
+  CHECK(info.polygons == 3);
+  CHECK(info.polygons_split == 2);
+  CHECK(has_note(info.notes, "1 faces of fewer than three corners"));
+}
+
+TEST_CASE("off: a polygon with a hole joined by a slit is cut without overlap, in any plane") {
+  // A square of side 4 with a square hole of side 2, reached from corner 0 along a slit that is walked twice.
+  const double outline[10][2] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::string text = "OFF\n10 1 0\n";
+    for (const auto& p : outline) {
+      double xyz[3] = {5, 5, 5};
+      xyz[(axis + 1) % 3] = p[0];
+      xyz[(axis + 2) % 3] = p[1];
+      text += std::to_string(xyz[0]) + " " + std::to_string(xyz[1]) + " " + std::to_string(xyz[2]) + "\n";
+    }
+    const Soup soup = parsed(text + "10 0 1 2 3 4 5 6 7 8 9\n", "a.off");
+    double area = 0, signed_area = 0;
+    for (const auto& t : soup.triangles) {
+      const Vec3 twice = (soup.points[t[1]] - soup.points[t[0]]) % (soup.points[t[2]] - soup.points[t[0]]);
+      area += twice.norm() / 2;
+      signed_area += twice[axis] / 2;
+    }
+    CHECK(soup.triangles.size() == 8);
+    CHECK(area == doctest::Approx(12));
+    CHECK(signed_area == doctest::Approx(12));
+  }
+}
+
+TEST_CASE("off: colours count to 255 or to 1, normals come before them") {
+  CHECK(parsed("COFF\n1 0 0\n0 0 0 255 128 0 255\n", "a.off").vertex_colors[0] ==
+        std::array<std::uint8_t, 3>{255, 128, 0});
+  CHECK(parsed("COFF\n1 0 0\n0 0 0 1 0.5 0 1\n", "a.off").vertex_colors[0] == std::array<std::uint8_t, 3>{255, 128, 0});
+  CHECK(parsed("COFF\n1 0 0\n0 0 0 1 0 0\n", "a.off").vertex_colors[0] == std::array<std::uint8_t, 3>{255, 0, 0});
+  CHECK(parsed("COFF\n1 0 0\n0 0 0 1 0 0 255\n", "a.off").vertex_colors[0] == std::array<std::uint8_t, 3>{1, 0, 0});
+  const Soup soup = parsed("STCNOFF\n1 0 0\n1 2 3 0 0 1 10 20 30 0.5 0.25\n", "a.off");
+  CHECK(soup.points[0] == Vec3(1, 2, 3));
+  CHECK(soup.vertex_normals[0] == Vec3(0, 0, 1));
+  CHECK(soup.vertex_colors[0] == std::array<std::uint8_t, 3>{10, 20, 30});
+}
+
+TEST_CASE("off: every bad file is refused with its line") {
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "a.off").position() == 4);
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 inf 0\n0 1 0\n3 0 1 2\n", "a.off").position() == 4);
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "a.off").position() == 4);
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.off").position() == 6);
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "a.off").position() == 6);
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "a.off").position() == 6);
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "a.off").position() == 6);
+  CHECK(refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n999999999 0 1 2\n", "a.off").position() == 6);
+  CHECK(refused("OFF\n4000000000 1 0\n0 0 0\n", "a.off").unit() == IoError::Unit::line);
+  CHECK(refused("OFF\n3 4000000000 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off").unit() == IoError::Unit::line);
+  CHECK(refused("OFF\n-1 0 0\n", "a.off").position() == 2);
+  CHECK(refused("OFF\n99999999999999999999 0 0\n", "a.off").position() == 2);
+  CHECK(refused("4OFF\n1 0 0\n0 0 0 0\n", "a.off").position() == 1);
+  CHECK(refused("OFF BINARY\n1 0 0\n", "a.off").position() == 1);
+  CHECK(refused("COFF\n1 0 0\n0 0 0 300 0 0\n", "a.off").position() == 3);
+  CHECK(refused("garbage", "a.off").position() == 1);
+  check_truncations(triangle_off, "a.off", 2);
+}
+
+TEST_CASE("off: writes and reads back exactly, colours and normals too") {
+  Soup soup = awkward_soup();
+  check_same_geometry(round_trip(soup, "a.off"), soup);
+  soup.vertex_colors.assign(soup.points.size(), {1, 0, 1});
+  soup.vertex_normals.assign(soup.points.size(), Vec3(0.6, 0, 0.8));
+  const Soup back = round_trip(soup, "a.off");
+  check_same_geometry(back, soup);
+  CHECK(back.vertex_colors == soup.vertex_colors);
+  CHECK(back.vertex_normals == soup.vertex_normals);
+}
