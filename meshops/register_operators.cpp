@@ -1,6 +1,7 @@
 #include "meshops/operators/compact.hpp"
 #include "meshops/operators/extract_boundaries.hpp"
 #include "meshops/operators/fill_holes.hpp"
+#include "meshops/operators/remove_redundant.hpp"
 #include "meshops/registry.hpp"
 
 namespace tri {
@@ -10,6 +11,8 @@ void register_operators(Registry& registry) {
                {.keeps_handles = false});
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
   registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
+  registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
+               {.idempotent = false});
 }
 
 }  // namespace tri
