@@ -5,137 +5,204 @@
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
 #include <TopExp.hxx>
-#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
-#include <numeric>
+#include <unordered_map>
 
+#include "libtri/disjoint_sets.hpp"
 #include "libtri/shape_occt.hpp"
-#include "libtri/triangle_links.hpp"
 #include "meshops/error.hpp"
 
 namespace tri {
 namespace {
 
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
+using Neighbors = std::vector<std::array<std::int32_t, 3>>;
 
- private:
-  std::vector<std::uint32_t> parent_;
+/// One side of a triangle: the edge opposite `corner`.
+struct Side {
+  std::int32_t triangle = -1;
+  int corner = 0;
 };
 
-/// Nodes of one edge's polygon on one face, in the edge's own direction, numbered from `offset`.
-std::vector<std::uint32_t> edge_nodes(const Handle(Poly_PolygonOnTriangulation)& polygon, std::uint32_t offset) {
+std::uint64_t directed(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
+
+/// The triangulations of all faces side by side, linked within each face; nodes are not shared between faces yet.
+struct LooseFaces {
+  struct Use {  // of a model edge by a face
+    std::vector<std::uint32_t> nodes;  // in the edge's own direction
+  };
+  std::vector<Vec3> nodes;
+  std::vector<Vec2> node_uv;
+  std::vector<Triangle> triangles;
+  std::vector<std::int32_t> faces;
+  std::vector<std::vector<Use>> edge_uses;  // by 1-based edge number; degenerate edges have none
+  std::vector<std::vector<std::uint32_t>> poles;  // nodes of each degenerate edge
+};
+
+std::vector<std::uint32_t> polygon_nodes(const Handle(Poly_PolygonOnTriangulation)& polygon, std::uint32_t offset) {
   std::vector<std::uint32_t> nodes;
   nodes.reserve(static_cast<std::size_t>(polygon->NbNodes()));
   for (int k = 1; k <= polygon->NbNodes(); ++k) nodes.push_back(offset + static_cast<std::uint32_t>(polygon->Node(k)) - 1);
   return nodes;
 }
 
+LooseFaces collect(const CadModel& model) {
+  const TopoDS_Shape& shape = occt(model.shape);
+  TopTools_IndexedMapOfShape face_map, edge_map;
+  TopExp::MapShapes(shape, TopAbs_FACE, face_map);
+  TopExp::MapShapes(shape, TopAbs_EDGE, edge_map);
+  LooseFaces loose;
+  loose.edge_uses.resize(static_cast<std::size_t>(edge_map.Extent()) + 1);
+  for (std::size_t position = 0; position < model.faces.size(); ++position) {
+    const TopoDS_Face face = TopoDS::Face(face_map(model.faces[position].shape_face));
+    TopLoc_Location location;
+    const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(face, location);
+    if (mesh.IsNull()) continue;
+    const auto offset = static_cast<std::uint32_t>(loose.nodes.size());
+    for (int k = 1; k <= mesh->NbNodes(); ++k) {
+      const gp_Pnt p = mesh->Node(k).Transformed(location);
+      const gp_Pnt2d q = mesh->UVNode(k);
+      loose.nodes.emplace_back(p.X(), p.Y(), p.Z());
+      loose.node_uv.emplace_back(q.X(), q.Y());
+    }
+    const bool reversed = face.Orientation() == TopAbs_REVERSED;
+    for (int k = 1; k <= mesh->NbTriangles(); ++k) {
+      int a, b, c;
+      mesh->Triangle(k).Get(a, b, c);
+      if (reversed) std::swap(b, c);
+      loose.triangles.push_back({offset + static_cast<std::uint32_t>(a) - 1, offset + static_cast<std::uint32_t>(b) - 1,
+                                 offset + static_cast<std::uint32_t>(c) - 1});
+      loose.faces.push_back(static_cast<std::int32_t>(position));
+    }
+    const auto add_use = [&](const TopoDS_Edge& edge, const Handle(Poly_PolygonOnTriangulation)& polygon) {
+      if (polygon.IsNull()) return;
+      if (BRep_Tool::Degenerated(edge)) {
+        loose.poles.push_back(polygon_nodes(polygon, offset));
+      } else {
+        loose.edge_uses[static_cast<std::size_t>(edge_map.FindIndex(edge))].push_back({polygon_nodes(polygon, offset)});
+      }
+    };
+    TopTools_IndexedMapOfShape face_edges;
+    TopExp::MapShapes(face, TopAbs_EDGE, face_edges);
+    for (int e = 1; e <= face_edges.Extent(); ++e) {
+      const TopoDS_Edge edge = TopoDS::Edge(face_edges(e));
+      add_use(edge, BRep_Tool::PolygonOnTriangulation(TopoDS::Edge(edge.Oriented(TopAbs_FORWARD)), mesh, location));
+      if (BRep_Tool::IsClosed(edge, mesh, location))
+        add_use(edge, BRep_Tool::PolygonOnTriangulation(TopoDS::Edge(edge.Oriented(TopAbs_REVERSED)), mesh, location));
+    }
+  }
+  return loose;
+}
+
+/// Links triangles within each face by their nodes, and across each model edge segment by segment.
+Neighbors link(const LooseFaces& loose) {
+  Neighbors neighbors(loose.triangles.size(), {-1, -1, -1});
+  std::unordered_map<std::uint64_t, Side> sides;
+  sides.reserve(loose.triangles.size() * 3);
+  for (std::size_t t = 0; t < loose.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      sides.emplace(directed(loose.triangles[t][(k + 1) % 3], loose.triangles[t][(k + 2) % 3]),
+                    Side{static_cast<std::int32_t>(t), k});
+  for (std::size_t t = 0; t < loose.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const auto twin = sides.find(directed(loose.triangles[t][(k + 2) % 3], loose.triangles[t][(k + 1) % 3]));
+      if (twin != sides.end()) neighbors[t][k] = twin->second.triangle;
+    }
+  for (const auto& uses : loose.edge_uses) {
+    if (uses.size() != 2 || uses[0].nodes.size() != uses[1].nodes.size()) continue;  // free, non-manifold, or out of step
+    for (std::size_t k = 0; k + 1 < uses[0].nodes.size(); ++k) {
+      Side found[2];
+      bool along[2] = {false, false};
+      for (int i = 0; i < 2; ++i) {
+        const std::uint32_t a = uses[i].nodes[k], b = uses[i].nodes[k + 1];
+        auto side = sides.find(directed(a, b));
+        along[i] = side != sides.end();
+        if (!along[i]) side = sides.find(directed(b, a));
+        if (side != sides.end()) found[i] = side->second;
+      }
+      if (found[0].triangle < 0 || found[1].triangle < 0 || along[0] == along[1]) continue;
+      neighbors[found[0].triangle][found[0].corner] = found[1].triangle;
+      neighbors[found[1].triangle][found[1].corner] = found[0].triangle;
+    }
+  }
+  return neighbors;
+}
+
 }  // namespace
 
 Tessellation tessellate(const CadModel& model, double deflection, double angle, const Context& context) {
   context.checkpoint();
-  const TopoDS_Shape& shape = occt(model.shape);
-  BRepMesh_IncrementalMesh(shape, deflection, false, angle, true);
+  BRepMesh_IncrementalMesh(occt(model.shape), deflection, false, angle, true);
+  LooseFaces loose = collect(model);
+  if (loose.triangles.empty()) throw CadError("no face of the model could be tessellated");
+  Neighbors neighbors = link(loose);
 
-  TopTools_IndexedMapOfShape face_map, edge_map;
-  TopExp::MapShapes(shape, TopAbs_FACE, face_map);
-  TopExp::MapShapes(shape, TopAbs_EDGE, edge_map);
-
-  std::vector<Vec3> nodes;
-  std::vector<Vec2> node_uv;
-  struct FaceMesh {
-    TopoDS_Face face;
-    TopLoc_Location location;
-    Handle(Poly_Triangulation) triangulation;
-    std::uint32_t offset;
-    int position;  // in CadModel::faces
+  // A triangle with two nodes on one pole has no area: its two other neighbours become each other's.
+  std::vector<std::int32_t> pole_of(loose.nodes.size(), -1);
+  for (std::size_t p = 0; p < loose.poles.size(); ++p)
+    for (std::uint32_t node : loose.poles[p]) pole_of[node] = static_cast<std::int32_t>(p);
+  std::vector<bool> dropped(loose.triangles.size(), false);
+  const auto relink = [&](std::int32_t t, std::int32_t from, std::int32_t to) {
+    if (t < 0) return;
+    for (std::int32_t& n : neighbors[t])
+      if (n == from) {
+        n = to;
+        return;
+      }
   };
-  std::vector<FaceMesh> face_meshes;
-  for (std::size_t position = 0; position < model.faces.size(); ++position) {
-    FaceMesh m;
-    m.face = TopoDS::Face(face_map(model.faces[position].shape_face));
-    m.triangulation = BRep_Tool::Triangulation(m.face, m.location);
-    m.offset = static_cast<std::uint32_t>(nodes.size());
-    m.position = static_cast<int>(position);
-    if (m.triangulation.IsNull()) continue;
-    for (int k = 1; k <= m.triangulation->NbNodes(); ++k) {
-      const gp_Pnt p = m.triangulation->Node(k).Transformed(m.location);
-      const gp_Pnt2d q = m.triangulation->UVNode(k);
-      nodes.emplace_back(p.X(), p.Y(), p.Z());
-      node_uv.emplace_back(q.X(), q.Y());
+  for (std::size_t t = 0; t < loose.triangles.size(); ++t)
+    for (int k = 0; k < 3 && !dropped[t]; ++k) {
+      const std::int32_t a = pole_of[loose.triangles[t][(k + 1) % 3]], b = pole_of[loose.triangles[t][(k + 2) % 3]];
+      if (a < 0 || a != b) continue;
+      dropped[t] = true;
+      const std::int32_t left = neighbors[t][(k + 1) % 3], right = neighbors[t][(k + 2) % 3];
+      relink(left, static_cast<std::int32_t>(t), right);
+      relink(right, static_cast<std::int32_t>(t), left);
     }
-    face_meshes.push_back(m);
-  }
-  if (face_meshes.empty()) throw CadError("no face of the model could be tessellated");
 
-  DisjointSets merged(nodes.size());
-  std::vector<std::vector<std::uint32_t>> first_use(static_cast<std::size_t>(edge_map.Extent()) + 1);
-  const auto merge_edge = [&](const TopoDS_Edge& edge, const std::vector<std::uint32_t>& ids) {
-    if (BRep_Tool::Degenerated(edge)) {
-      for (std::uint32_t id : ids) merged.join(id, ids.front());
-      return;
-    }
-    auto& first = first_use[static_cast<std::size_t>(edge_map.FindIndex(edge))];
-    if (first.empty()) {
-      first = ids;
-    } else if (first.size() == ids.size()) {
-      for (std::size_t k = 0; k < ids.size(); ++k) merged.join(ids[k], first[k]);
-    }
-  };
-  for (const FaceMesh& m : face_meshes)
-    for (TopExp_Explorer it(m.face, TopAbs_EDGE); it.More(); it.Next()) {
-      const TopoDS_Edge edge = TopoDS::Edge(it.Current());
-      const TopoDS_Edge forward = TopoDS::Edge(edge.Oriented(TopAbs_FORWARD));
-      const auto polygon = BRep_Tool::PolygonOnTriangulation(forward, m.triangulation, m.location);
-      if (!polygon.IsNull()) merge_edge(edge, edge_nodes(polygon, m.offset));
-      if (!BRep_Tool::IsClosed(edge, m.triangulation, m.location)) continue;
-      const TopoDS_Edge reversed = TopoDS::Edge(edge.Oriented(TopAbs_REVERSED));
-      const auto other = BRep_Tool::PolygonOnTriangulation(reversed, m.triangulation, m.location);
-      if (!other.IsNull()) merge_edge(edge, edge_nodes(other, m.offset));
+  // A vertex is a fan of triangle corners connected across links.
+  DisjointSets corners(loose.triangles.size() * 3);
+  for (std::uint32_t t = 0; t < loose.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t n = neighbors[t][k];
+      if (dropped[t] || n < 0) continue;
+      int m = 0;
+      while (m < 3 && neighbors[n][m] != static_cast<std::int32_t>(t)) ++m;
+      if (m == 3) {  // the other side was linked to somebody else
+        neighbors[t][k] = -1;
+        continue;
+      }
+      corners.join(3 * t + (k + 1) % 3, 3 * static_cast<std::uint32_t>(n) + (m + 2) % 3);
+      corners.join(3 * t + (k + 2) % 3, 3 * static_cast<std::uint32_t>(n) + (m + 1) % 3);
     }
 
   Tessellation result;
   result.deflection = deflection;
-  std::vector<std::int64_t> id(nodes.size(), -1);
-  for (std::uint32_t k = 0; k < nodes.size(); ++k) {
-    const std::uint32_t root = merged.find(k);
-    if (id[root] < 0) {
-      id[root] = static_cast<std::int64_t>(result.points.size());
-      result.points.push_back(nodes[root]);
+  std::vector<std::int32_t> vertex(loose.triangles.size() * 3, -1), renumbered(loose.triangles.size(), -1);
+  for (std::uint32_t t = 0; t < loose.triangles.size(); ++t) {
+    if (dropped[t]) continue;
+    renumbered[t] = static_cast<std::int32_t>(result.triangles.size());
+    Triangle corner_vertices;
+    std::array<Vec2, 3> uv;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t root = corners.find(3 * t + k);
+      if (vertex[root] < 0) {
+        vertex[root] = static_cast<std::int32_t>(result.points.size());
+        result.points.push_back(loose.nodes[loose.triangles[root / 3][root % 3]]);
+      }
+      corner_vertices[k] = static_cast<std::uint32_t>(vertex[root]);
+      uv[k] = loose.node_uv[loose.triangles[t][k]];
     }
-    id[k] = id[root];
+    result.triangles.push_back(corner_vertices);
+    result.corner_uv.push_back(uv);
+    result.faces.push_back(loose.faces[t]);
+    result.neighbors.push_back(neighbors[t]);
   }
-  for (const FaceMesh& m : face_meshes) {
-    const bool reversed = m.face.Orientation() == TopAbs_REVERSED;
-    for (int k = 1; k <= m.triangulation->NbTriangles(); ++k) {
-      int a, b, c;
-      m.triangulation->Triangle(k).Get(a, b, c);
-      if (reversed) std::swap(b, c);
-      const std::array<std::uint32_t, 3> n{m.offset + static_cast<std::uint32_t>(a) - 1, m.offset + static_cast<std::uint32_t>(b) - 1,
-                                           m.offset + static_cast<std::uint32_t>(c) - 1};
-      const Triangle t{static_cast<std::uint32_t>(id[n[0]]), static_cast<std::uint32_t>(id[n[1]]), static_cast<std::uint32_t>(id[n[2]])};
-      if (t[0] == t[1] || t[1] == t[2] || t[0] == t[2]) continue;  // the tip of a pole: no area
-      result.triangles.push_back(t);
-      result.faces.push_back(m.position);
-      result.corner_uv.push_back({node_uv[n[0]], node_uv[n[1]], node_uv[n[2]]});
-    }
-  }
-  result.neighbors = link_triangles(result.triangles, result.points.size());
-  for (std::uint32_t source : split_fans(result.triangles, result.neighbors, result.points.size()))
-    result.points.push_back(result.points[source]);
+  for (auto& row : result.neighbors)
+    for (std::int32_t& n : row)
+      if (n >= 0) n = renumbered[n];
   return result;
 }
 

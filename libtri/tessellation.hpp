@@ -12,8 +12,8 @@ namespace tri {
 
 /// The sewn model as one triangle mesh whose faces share the vertices along their common edges.
 ///
-/// Oriented as the model's shells. Edges where more than two faces meet are left unpaired, and a vertex has exactly one fan
-/// of triangles, so the mesh is manifold even where the model is not.
+/// Oriented as the model's shells. Triangles are linked along model edges by topology, never by distance; edges where
+/// more than two faces meet are left unpaired. A vertex has exactly one fan of triangles, so the mesh is manifold even where the model is not.
 struct Tessellation {
   std::vector<Vec3> points;                        ///< mm
   std::vector<Triangle> triangles;                 ///< indices into points
@@ -23,7 +23,7 @@ struct Tessellation {
   double deflection = 0;                           ///< mm, largest wanted distance to the model
 };
 
-/// Tessellates the model's sewn shape. Nodes on shared edges are merged by topology, never by distance.
+/// Tessellates the sewn shape of `model`.
 ///
 /// @param deflection  mm, > 0: chord height of a triangle over the surface
 /// @param angle       radians, > 0: largest turn of the normal along one triangle edge on curved faces

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "meshops/soup.hpp"
+
+namespace tri {
+
+/// A manifold triangulation by triangles and neighbours, made for the two moves of the shell method: the flip of an edge and
+/// the replacement of a vertex's star. Half the memory of a half-edge structure and no garbage collection in between.
+class EditMesh {
+ public:
+  struct Vertex {
+    Vec3 p{0, 0, 0};                ///< mm; decisions are made on these positions
+    std::array<float, 3> normal{};  ///< unit outward normal of the model; zero where the model has none (a sharp edge)
+    float area = 0;                 ///< mm^2 that the vertex stands for; weighs the shape of triangles against their place
+    std::int32_t point = -1;        ///< index of the measured point; -1 for a vertex of the tessellation
+  };
+
+  std::vector<Vertex> vertices;
+  std::vector<Triangle> triangles;
+  std::vector<std::array<std::int32_t, 3>> neighbors;
+  std::vector<std::uint8_t> creases;        ///< bit k: the edge opposite corner k is a sharp edge of the model
+  std::vector<std::int32_t> vertex_triangle;  ///< one triangle of the vertex's fan; -1 once removed
+
+  bool alive(std::int32_t t) const { return triangles[t][0] != triangles[t][1]; }
+  int corner(std::int32_t t, std::uint32_t v) const {
+    const Triangle& q = triangles[t];
+    return q[0] == v ? 0 : q[1] == v ? 1 : 2;
+  }
+  /// Corner of `t` opposite the edge it shares with neighbour `n`.
+  int side(std::int32_t t, std::int32_t n) const {
+    const auto& q = neighbors[t];
+    return q[0] == n ? 0 : q[1] == n ? 1 : 2;
+  }
+  /// Sets `vertex_triangle` from the triangles.
+  void index_vertices();
+
+  /// The fan around a vertex, counter-clockwise. For a vertex inside, ring[i] -> ring[i+1] (cyclic) is the far edge of
+  /// fan[i]; for one on the boundary the ring has one entry more than the fan.
+  struct Star {
+    std::vector<std::int32_t> fan;
+    std::vector<std::uint32_t> ring;
+    bool closed = false;
+  };
+  /// @return false if the fan has more than `limit` triangles (the star is then incomplete).
+  bool star(std::uint32_t v, Star& out, std::size_t limit) const;
+
+  bool has_edge(std::uint32_t a, std::uint32_t b) const;
+  bool on_boundary(std::uint32_t v) const;
+
+  /// Exchanges the diagonal opposite corner `k` of `t`; the caller has checked that there is a neighbour and no such edge yet.
+  void flip(std::int32_t t, int k);
+
+  /// Splits the edge opposite corner `k` of `t` by a new vertex. @return the vertex
+  std::uint32_t split_edge(std::int32_t t, int k, const Vertex& vertex);
+
+  /// Replaces the star of `v` by `patch` (triangles over the ring's vertices, at most as many as the fan has) and removes `v`.
+  void replace_star(std::uint32_t v, const Star& star, std::span<const Triangle> patch);
+
+ private:
+  void set_neighbor(std::int32_t t, std::int32_t old_neighbor, std::int32_t new_neighbor) {
+    if (t >= 0) neighbors[t][side(t, old_neighbor)] = new_neighbor;
+  }
+};
+
+}  // namespace tri

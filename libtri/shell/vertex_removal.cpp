@@ -1,0 +1,247 @@
+#include "libtri/shell/vertex_removal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <unordered_map>
+
+#include "libtri/shell/triangle_cost.hpp"
+#include "meshops/polygon_triangulation.hpp"
+
+namespace tri {
+namespace {
+
+constexpr std::size_t largest_ring = 48;
+/// Larger stars wait until flips and removals around them have made them smaller; at last they are filled by a fan.
+constexpr std::size_t largest_fan = 4096;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+struct Plan {
+  double cost = infinity;  ///< how much the star's cost rises
+  std::vector<Triangle> patch;
+};
+
+class Remover {
+ public:
+  Remover(EditMesh& mesh, Context& context) : mesh_(mesh), context_(context), cost_(mesh) {}
+
+  VertexRemoval run() {
+    std::vector<std::uint32_t> version(mesh_.vertices.size(), 0);
+    struct Entry {
+      double cost;
+      std::uint32_t vertex, version;
+      bool operator<(const Entry& o) const { return cost != o.cost ? cost > o.cost : vertex > o.vertex; }
+    };
+    std::priority_queue<Entry> queue;
+    std::vector<std::uint32_t> stuck;
+    std::size_t total = 0;
+    for (std::uint32_t v = 0; v < mesh_.vertices.size(); ++v) {
+      if (mesh_.vertices[v].point >= 0 || mesh_.vertex_triangle[v] < 0) continue;
+      ++total;
+      queue.push({plan(v, largest_ring).cost, v, 0});
+    }
+    VertexRemoval result;
+    EditMesh::Star star;
+    std::size_t ring_limit = largest_ring;
+    std::size_t removed_before = 0;
+    while (true) {
+      while (!queue.empty()) {
+        const Entry top = queue.top();
+        queue.pop();
+        if (mesh_.vertex_triangle[top.vertex] < 0 || top.version != version[top.vertex]) continue;
+        const Plan p = plan(top.vertex, ring_limit);
+        if (p.cost == infinity) {
+          stuck.push_back(top.vertex);
+          continue;
+        }
+        mesh_.star(top.vertex, star, largest_fan);
+        mesh_.replace_star(top.vertex, star, p.patch);
+        ++result.removed;
+        if (result.removed % 1024 == 0) {
+          context_.checkpoint();
+          context_.progress("remove model vertices", static_cast<double>(result.removed) / static_cast<double>(total));
+        }
+        for (std::uint32_t w : star.ring) {
+          if (mesh_.vertices[w].point >= 0) continue;
+          queue.push({plan(w, ring_limit).cost, w, ++version[w]});
+        }
+      }
+      if (stuck.empty()) break;
+      if (result.removed == removed_before) {
+        if (ring_limit == largest_fan) break;
+        ring_limit = largest_fan;
+      }
+      removed_before = result.removed;
+      for (std::uint32_t v : stuck)
+        if (mesh_.vertex_triangle[v] >= 0) queue.push({plan(v, ring_limit).cost, v, ++version[v]});
+      stuck.clear();
+    }
+    result.kept = total - result.removed;
+    return result;
+  }
+
+ private:
+  Plan plan(std::uint32_t v, std::size_t ring_limit) {
+    Plan result;
+    if (!mesh_.star(v, star_, ring_limit)) return result;
+    const std::size_t n = star_.ring.size();
+    if (star_.closed ? n < 3 : n < 2) return result;
+    find_outer_edges(v);
+    double before = 0;
+    for (std::int32_t t : star_.fan) before += cost_(mesh_.triangles[t]);
+    double after = infinity;
+    if (n > largest_ring) {
+      after = fan_fill(v, result.patch);
+    } else {
+      after = star_.closed ? fill_ring(result.patch) : fill_open_fan(v, result.patch);
+    }
+    if (after < infinity) result.cost = after - before;
+    return result;
+  }
+
+  /// For each pair of ring vertices whether an edge outside the star joins them.
+  void find_outer_edges(std::uint32_t v) {
+    const std::size_t n = star_.ring.size();
+    outer_.assign(n * n, false);
+    for (std::size_t i = 0; i < n; ++i) position_[star_.ring[i]] = static_cast<std::int32_t>(i);
+    EditMesh::Star around;
+    for (std::size_t i = 0; i < n; ++i) {
+      mesh_.star(star_.ring[i], around, std::numeric_limits<std::size_t>::max());
+      for (std::uint32_t w : around.ring) {
+        if (w == v) continue;
+        const auto at = position_.find(w);
+        if (at != position_.end()) outer_[i * n + static_cast<std::size_t>(at->second)] = true;
+      }
+    }
+    position_.clear();
+  }
+  bool taken(int i, int j) const { return outer_[static_cast<std::size_t>(i) * star_.ring.size() + static_cast<std::size_t>(j)]; }
+
+  double fill_ring(std::vector<Triangle>& patch) {
+    const auto& ring = star_.ring;
+    ring_triangles_.clear();
+    const auto best = triangulate_polygon<double>(
+        static_cast<int>(ring.size()), [&](int i, int j) { return !taken(i, j); },
+        [&](int i, int k, int j, int, int) -> std::optional<double> { return cost_(ring[i], ring[k], ring[j]); }, ring_triangles_);
+    if (!best) return infinity;
+    for (const RingTriangle& t : ring_triangles_) patch.push_back({ring[t[0]], ring[t[1]], ring[t[2]]});
+    // A ring of three whose triangle is there already would close a pillow.
+    if (ring.size() == 3 && is_triangle(ring[0], ring[2], ring[1])) return infinity;
+    return *best;
+  }
+
+  bool is_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    EditMesh::Star around;
+    mesh_.star(a, around, std::numeric_limits<std::size_t>::max());
+    for (std::int32_t t : around.fan) {
+      const int k = mesh_.corner(t, a);
+      if (mesh_.triangles[t][(k + 1) % 3] == b && mesh_.triangles[t][(k + 2) % 3] == c) return true;
+    }
+    return false;
+  }
+
+  /// The best fan from one ring vertex: for rings that are too long for the dynamic programme.
+  double fan_fill(std::uint32_t, std::vector<Triangle>& patch) {
+    const auto& ring = star_.ring;
+    const int n = static_cast<int>(ring.size());
+    double best = infinity;
+    int hub = -1;
+    for (int h = 0; h < n; ++h) {
+      if (!star_.closed && h != 0 && h != n - 1) continue;
+      double sum = 0;
+      for (int i = 1; i + 1 < n && sum < best; ++i) {
+        const int a = (h + i) % n, b = (h + i + 1) % n;
+        if (!star_.closed && (a == n - 1 || b == 0)) continue;
+        if (i > 1 && taken(h, a)) sum = infinity;
+        sum += cost_(ring[h], ring[a], ring[b]);
+      }
+      if (sum < best) best = sum, hub = h;
+    }
+    if (hub < 0) return infinity;
+    if (!star_.closed && taken(0, n - 1)) return infinity;
+    for (int i = 1; i + 1 < n; ++i) {
+      const int a = (hub + i) % n, b = (hub + i + 1) % n;
+      if (!star_.closed && (a == n - 1 || b == 0)) continue;
+      patch.push_back({ring[hub], ring[a], ring[b]});
+    }
+    return best;
+  }
+
+  /// Covers the fan of a boundary vertex anew: a boundary path from the first to the last ring vertex is chosen, and every stretch
+  /// of the ring that a chord of the path cuts off is triangulated.
+  double fill_open_fan(std::uint32_t v, std::vector<Triangle>& patch) {
+    const auto& ring = star_.ring;
+    const int n = static_cast<int>(ring.size());
+    // cost[i][j]: the stretch i..j triangulated with chord (i, j) closing it; apex to trace it.
+    stretch_.assign(static_cast<std::size_t>(n * n), infinity);
+    area_.assign(static_cast<std::size_t>(n * n), 0);
+    apex_.assign(static_cast<std::size_t>(n * n), -1);
+    const auto at = [n](int i, int j) { return static_cast<std::size_t>(i * n + j); };
+    for (int i = 0; i + 1 < n; ++i) stretch_[at(i, i + 1)] = 0;
+    for (int span = 2; span < n; ++span)
+      for (int i = 0; i + span < n; ++i) {
+        const int j = i + span;
+        if (taken(i, j)) continue;
+        for (int k = i + 1; k < j; ++k) {
+          const double parts = stretch_[at(i, k)] + stretch_[at(k, j)];
+          if (parts >= stretch_[at(i, j)]) continue;
+          const double sum = parts + cost_(ring[i], ring[k], ring[j]);
+          if (sum < stretch_[at(i, j)]) {
+            stretch_[at(i, j)] = sum;
+            apex_[at(i, j)] = k;
+            area_[at(i, j)] = area_[at(i, k)] + area_[at(k, j)] + area(ring[i], ring[k], ring[j]);
+          }
+        }
+      }
+    std::vector<double> fan_area(static_cast<std::size_t>(n), 0);
+    for (int i = 0; i + 1 < n; ++i) fan_area[i + 1] = fan_area[i] + area(v, ring[i], ring[i + 1]);
+    std::vector<double> best(static_cast<std::size_t>(n), infinity);
+    std::vector<int> previous(static_cast<std::size_t>(n), -1);
+    best[0] = 0;
+    for (int j = 1; j < n; ++j) {
+      if (j + 1 < n && mesh_.on_boundary(ring[j])) continue;  // the boundary would touch itself there
+      for (int i = 0; i < j; ++i) {
+        if (best[i] == infinity || stretch_[at(i, j)] == infinity) continue;
+        if (j == i + 1 && mesh_.neighbors[star_.fan[i]][mesh_.corner(star_.fan[i], v)] < 0) continue;
+        const double missing = (fan_area[j] - fan_area[i]) - area_[at(i, j)];
+        const double sum = best[i] + stretch_[at(i, j)] + (missing > 0 ? 3 * missing : -8 * missing);
+        if (sum < best[j]) best[j] = sum, previous[j] = i;
+      }
+    }
+    if (best[n - 1] == infinity) return infinity;
+    for (int j = n - 1; j > 0; j = previous[j]) trace(previous[j], j, patch);
+    return best[n - 1];
+  }
+
+  void trace(int i, int j, std::vector<Triangle>& patch) const {
+    if (j == i + 1) return;
+    const int n = static_cast<int>(star_.ring.size());
+    const int k = apex_[static_cast<std::size_t>(i * n + j)];
+    patch.push_back({star_.ring[i], star_.ring[k], star_.ring[j]});
+    trace(i, k, patch);
+    trace(k, j, patch);
+  }
+
+  double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const Vec3& p = mesh_.vertices[a].p;
+    return 0.5 * ((mesh_.vertices[b].p - p) % (mesh_.vertices[c].p - p)).norm();
+  }
+
+  EditMesh& mesh_;
+  Context& context_;
+  TriangleCost cost_;
+  EditMesh::Star star_;
+  std::vector<bool> outer_;
+  std::unordered_map<std::uint32_t, std::int32_t> position_;
+  std::vector<RingTriangle> ring_triangles_;
+  std::vector<double> stretch_, area_;
+  std::vector<int> apex_;
+};
+
+}  // namespace
+
+VertexRemoval remove_model_vertices(EditMesh& mesh, Context& context) { return Remover(mesh, context).run(); }
+
+}  // namespace tri
