@@ -1,3 +1,4 @@
+#include "meshops/conversions.hpp"
 #include "meshops/operators/compact.hpp"
 #include "meshops/operators/extract_boundaries.hpp"
 #include "meshops/operators/fill_holes.hpp"
@@ -7,6 +8,10 @@
 namespace tri {
 
 void register_operators(Registry& registry) {
+  registry.add_conversion("build-mesh", Domain::soup, Domain::mesh, build_mesh_step,
+                          "Links triangles to a half-edge mesh; orients them and splits what is not manifold");
+  registry.add_conversion("to-soup", Domain::mesh, Domain::soup, to_soup_step,
+                          "Turns a mesh into points and triangles again, without deleted elements");
   registry.add("compact", compact, "Drops elements marked as deleted; the others keep their order",
                {.keeps_handles = false});
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");

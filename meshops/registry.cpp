@@ -40,6 +40,14 @@ Report Operator::run(MeshView mesh, const void* options, Context& context) const
   return timed(name_, [&] { return run_mesh_(mesh, options, context); });
 }
 
+Report Operator::run(Geometry& geometry, const void* options, Context& context) const {
+  const bool is_mesh = std::holds_alternative<Mesh>(geometry);
+  if (convert_ && is_mesh == (domain_ == Domain::mesh))
+    return timed(name_, [&] { return convert_(geometry, context); });
+  if (is_mesh) return run(view_of(std::get<Mesh>(geometry)), options, context);
+  return run(std::get<Soup>(geometry), options, context);
+}
+
 Report Operator::run(Soup& soup, const void* options, Context& context) const {
   if (!run_soup_) throw InvalidInput(fmt::format("{} works on a mesh, not on a soup", name_));
   return timed(name_, [&] { return run_soup_(soup, options, context); });
@@ -64,12 +72,22 @@ Operator& Registry::insert(std::string_view name, std::string_view summary, Doma
   op->name_ = name;
   op->summary_ = summary;
   op->domain_ = domain;
+  op->result_ = domain;
   op->schema_ = &schema;
   op->promises_ = promises;
   op->key_ = key;
   Operator& inserted = *op;
   operators_.push_back(std::move(op));
   return inserted;
+}
+
+void Registry::add_conversion(std::string_view name, Domain from, Domain to, Report (*function)(Geometry&, Context&),
+                              std::string_view summary) {
+  struct None {};
+  static const OptionSchema no_options = Schema<None>();
+  Operator& op = insert(name, summary, from, no_options, {}, reinterpret_cast<Operator::Key>(function));
+  op.result_ = to;
+  op.convert_ = function;
 }
 
 const Operator* Registry::find(std::string_view name) const {
@@ -97,6 +115,7 @@ Json Registry::describe() const {
   for (const auto& op : operators_)
     array.push_back({{"name", op->name()},
                      {"domain", to_string(op->domain())},
+                     {"result", to_string(op->result())},
                      {"summary", op->summary()},
                      {"options", op->schema().describe()}});
   return array;

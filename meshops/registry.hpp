@@ -7,17 +7,13 @@
 #include <vector>
 
 #include "meshops/context.hpp"
+#include "meshops/geometry.hpp"
 #include "meshops/mesh_view.hpp"
 #include "meshops/options.hpp"
 #include "meshops/report.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
-
-/// What an operator works on. Points are a soup without triangles.
-enum class Domain { points, soup, mesh };
-
-std::string_view to_string(Domain domain);
 
 /// What an operator promises beside its header; the contract suite holds every registered operator to it.
 struct Promises {
@@ -39,6 +35,8 @@ class Operator {
   const std::string& name() const { return name_; }        ///< kebab-case: "fill-holes"
   const std::string& summary() const { return summary_; }  ///< one line
   Domain domain() const { return domain_; }
+  /// What it leaves: its own domain, but for the two conversions, "build-mesh" and "to-soup".
+  Domain result() const { return result_; }
   const OptionSchema& schema() const { return *schema_; }
   const Promises& promises() const { return promises_; }
   Key key() const { return key_; }
@@ -49,6 +47,8 @@ class Operator {
   Report run(MeshView mesh, const void* options, Context& context) const;
   /// The same for operators on points and soups.
   Report run(Soup& soup, const void* options, Context& context) const;
+  /// The same for any operator, conversions included, on a geometry of its domain.
+  Report run(Geometry& geometry, const void* options, Context& context) const;
 
  private:
   friend class Registry;
@@ -56,11 +56,13 @@ class Operator {
   std::string name_;
   std::string summary_;
   Domain domain_ = Domain::mesh;
+  Domain result_ = Domain::mesh;
   const OptionSchema* schema_ = nullptr;
   Promises promises_;
   Key key_ = nullptr;
   std::function<Report(MeshView, const void*, Context&)> run_mesh_;
   std::function<Report(Soup&, const void*, Context&)> run_soup_;
+  std::function<Report(Geometry&, Context&)> convert_;
 };
 
 /// The operators by name.
@@ -97,6 +99,10 @@ class Registry {
     };
   }
 
+  /// One of the two conversions between soup and mesh; they have no options.
+  void add_conversion(std::string_view name, Domain from, Domain to, Report (*function)(Geometry&, Context&),
+                      std::string_view summary);
+
   /// In order of registration.
   const std::vector<std::unique_ptr<const Operator>>& operators() const { return operators_; }
   /// Nullptr if there is none.
@@ -105,7 +111,7 @@ class Registry {
   /// @throws InvalidInput naming all operators if there is none of this name.
   const Operator& at(std::string_view name) const;
 
-  /// An array with one object per operator: name, domain, summary, options.
+  /// An array with one object per operator: name, domain, result, summary, options.
   Json describe() const;
 
  private:

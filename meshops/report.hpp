@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -47,9 +48,13 @@ struct Report {
 
   /// True if nothing was added, removed, moved or flipped.
   bool unchanged() const {
-    return vertices_added == 0 && vertices_removed == 0 && vertices_moved == 0 && faces_added == 0 && faces_removed == 0 &&
-           edges_flipped == 0;
+    return vertices_added == 0 && vertices_removed == 0 && vertices_moved == 0 && faces_added == 0 &&
+           faces_removed == 0 && edges_flipped == 0;
   }
 };
+
+/// Operation, seconds, the counts that are not zero, `skipped`, `figures`, `notes`, and the numbers of touched
+/// elements.
+nlohmann::ordered_json to_json(const Report& report);
 
 }  // namespace tri
