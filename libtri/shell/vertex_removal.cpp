@@ -93,7 +93,7 @@ class Remover {
     for (std::int32_t t : star_.fan) before += cost_(mesh_.triangles[t]);
     double after = infinity;
     if (n > largest_ring) {
-      after = fan_fill(v, result.patch);
+      after = star_.closed ? cut_and_fill_ring(v, result.patch) : fan_fill(result.patch);
     } else {
       after = star_.closed ? fill_ring(result.patch) : fill_open_fan(v, result.patch);
     }
@@ -142,30 +142,76 @@ class Remover {
     return false;
   }
 
-  /// The best fan from one ring vertex: for rings that are too long for the dynamic programme.
-  double fan_fill(std::uint32_t, std::vector<Triangle>& patch) {
+  /// Rings that are too long for the dynamic programme lose ears first, in the order of the power of `v` over their
+  /// circumcircles, which in the plane yields the Delaunay triangulation of the ring [Heller 1990; Devillers 1999].
+  double cut_and_fill_ring(std::uint32_t v, std::vector<Triangle>& patch) {
+    const auto& ring = star_.ring;
+    Vec3 normal(0, 0, 0);
+    for (std::size_t i = 0; i < ring.size(); ++i) normal += area_vector(v, ring[i], ring[(i + 1) % ring.size()]);
+    const double length = normal.norm();
+    if (!(length > 0)) return infinity;
+    normal /= length;
+    const Vec3 x = (std::abs(normal[0]) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)) % normal, y = normal % x;
+    std::vector<Vec2> q;
+    std::vector<int> left;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec3 d = mesh_.vertices[ring[i]].p - mesh_.vertices[v].p;
+      q.emplace_back(d | x, d | y);
+      left.push_back(static_cast<int>(i));
+    }
+    const auto power = [&](int i) {  // of the origin over the ear's circumcircle; infinite for what is no ear
+      const int n = static_cast<int>(left.size());
+      const int ia = left[(i + n - 1) % n], ic = left[(i + 1) % n];
+      const Vec2 &a = q[ia], &b = q[left[i]], &c = q[ic];
+      const double turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+      if (!(turn > 0) || taken(ia, ic)) return infinity;
+      const double aa = a.sqrnorm(), bb = b.sqrnorm(), cc = c.sqrnorm();
+      const double circle = aa * (b[0] * c[1] - b[1] * c[0]) - bb * (a[0] * c[1] - a[1] * c[0]) + cc * (a[0] * b[1] - a[1] * b[0]);
+      return circle / turn;
+    };
+    std::vector<double> powers;
+    for (int i = 0; i < static_cast<int>(left.size()); ++i) powers.push_back(power(i));
+    double sum = 0;
+    while (left.size() > largest_ring) {
+      const int n = static_cast<int>(left.size());
+      const int i = static_cast<int>(std::min_element(powers.begin(), powers.end()) - powers.begin());
+      if (powers[i] == infinity) return infinity;
+      const Triangle ear{ring[left[(i + n - 1) % n]], ring[left[i]], ring[left[(i + 1) % n]]};
+      patch.push_back(ear);
+      sum += cost_(ear);
+      left.erase(left.begin() + i);
+      powers.erase(powers.begin() + i);
+      for (int k : {i, (i + n - 2) % (n - 1)}) powers[k % (n - 1)] = power(k % (n - 1));
+    }
+    ring_triangles_.clear();
+    const auto best = triangulate_polygon<double>(
+        static_cast<int>(left.size()), [&](int i, int j) { return !taken(left[i], left[j]); },
+        [&](int i, int k, int j, int, int) -> std::optional<double> { return cost_(ring[left[i]], ring[left[k]], ring[left[j]]); },
+        ring_triangles_);
+    if (!best) return infinity;
+    for (const RingTriangle& t : ring_triangles_) patch.push_back({ring[left[t[0]]], ring[left[t[1]]], ring[left[t[2]]]});
+    return sum + *best;
+  }
+
+  /// The best fan from one ring vertex, for the long fans of boundary vertices.
+  double fan_fill(std::vector<Triangle>& patch) {
     const auto& ring = star_.ring;
     const int n = static_cast<int>(ring.size());
+    if (taken(0, n - 1)) return infinity;
     double best = infinity;
     int hub = -1;
-    for (int h = 0; h < n; ++h) {
-      if (!star_.closed && h != 0 && h != n - 1) continue;
+    for (int h : {0, n - 1}) {
       double sum = 0;
-      for (int i = 1; i + 1 < n && sum < best; ++i) {
-        const int a = (h + i) % n, b = (h + i + 1) % n;
-        if (!star_.closed && (a == n - 1 || b == 0)) continue;
-        if (i > 1 && taken(h, a)) sum = infinity;
-        sum += cost_(ring[h], ring[a], ring[b]);
+      for (int i = 0; i + 1 < n; ++i) {
+        if (i == h || i + 1 == h) continue;
+        if ((std::abs(h - i) > 1 && taken(h, i)) || (std::abs(h - i - 1) > 1 && taken(h, i + 1))) sum = infinity;
+        sum += cost_(ring[h], ring[i], ring[i + 1]);
       }
       if (sum < best) best = sum, hub = h;
     }
     if (hub < 0) return infinity;
-    if (!star_.closed && taken(0, n - 1)) return infinity;
-    for (int i = 1; i + 1 < n; ++i) {
-      const int a = (hub + i) % n, b = (hub + i + 1) % n;
-      if (!star_.closed && (a == n - 1 || b == 0)) continue;
-      patch.push_back({ring[hub], ring[a], ring[b]});
-    }
+    for (int i = 0; i + 1 < n; ++i)
+      if (i != hub && i + 1 != hub) patch.push_back({ring[hub], ring[i], ring[i + 1]});
     return best;
   }
 
@@ -224,10 +270,11 @@ class Remover {
     trace(k, j, patch);
   }
 
-  double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+  Vec3 area_vector(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     const Vec3& p = mesh_.vertices[a].p;
-    return 0.5 * ((mesh_.vertices[b].p - p) % (mesh_.vertices[c].p - p)).norm();
+    return 0.5 * ((mesh_.vertices[b].p - p) % (mesh_.vertices[c].p - p));
   }
+  double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const { return area_vector(a, b, c).norm(); }
 
   EditMesh& mesh_;
   Context& context_;
