@@ -58,4 +58,23 @@ inline std::vector<double> breaks_between(double first, double last, std::vector
   return result;
 }
 
+/// Largest value of f in [a, b], where f has one maximum there (golden section); the ends included.
+template <class F>
+double golden_maximum(double a, double b, F f) {
+  constexpr double golden = 0.6180339887498949;
+  double best = std::max(f(a), f(b));
+  double x1 = b - golden * (b - a), x2 = a + golden * (b - a);
+  double f1 = f(x1), f2 = f(x2);
+  for (int i = 0; i < 40; ++i) {
+    if (f1 < f2) {
+      a = x1, x1 = x2, f1 = f2;
+      x2 = a + golden * (b - a), f2 = f(x2);
+    } else {
+      b = x2, x2 = x1, f2 = f1;
+      x1 = b - golden * (b - a), f1 = f(x1);
+    }
+  }
+  return std::max({best, f1, f2});
+}
+
 }  // namespace tri

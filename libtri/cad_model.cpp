@@ -4,11 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <BRepBndLib.hxx>
-#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
-#include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <Geom2dAdaptor_Curve.hxx>
 #include <GeomAdaptor_Curve.hxx>
 #include <GeomAdaptor_Surface.hxx>
@@ -26,6 +22,7 @@
 #include "libtri/adaptive_polyline.hpp"
 #include "libtri/cad_polylines.hpp"
 #include "libtri/disjoint_sets.hpp"
+#include "libtri/face_measure.hpp"
 #include "libtri/geometry_occt.hpp"
 #include "libtri/shape_occt.hpp"
 #include "libtri/shape_preparation_occt.hpp"
@@ -60,6 +57,19 @@ const char* type_name(GeomAbs_SurfaceType type) {
   }
 }
 
+/// Breaks of one direction of a surface within [low, high], periods included, and at least eight pieces.
+std::vector<double> breaks_within(const std::vector<ParameterBreak>& breaks, double period, double low, double high) {
+  std::vector<double> result;
+  for (const ParameterBreak& at : breaks) {
+    if (period <= 0) {
+      result.push_back(at.at);
+      continue;
+    }
+    for (double t = at.at - std::floor((at.at - low) / period) * period; t < high; t += period) result.push_back(t);
+  }
+  return breaks_between(low, high, std::move(result), 8);
+}
+
 /// Where the pieces of a curve meet; a straight line has none and needs few pieces.
 template <class Adaptor>
 std::vector<double> inner_breaks(const Adaptor& adaptor) {
@@ -83,12 +93,13 @@ class Reader {
   CadModel read() {
     model_.shape = make_shape(prepared_.shape);
     model_.warnings = prepared_.warnings;
-    read_box();
+    read_scale();
     for (int i = 1; i <= vertices_.Extent(); ++i)
       model_.vertices.push_back(to_vec(BRep_Tool::Pnt(TopoDS::Vertex(vertices_(i)))));
     for (int i = 1; i <= edges_.Extent(); ++i) model_.edges.push_back(read_edge(TopoDS::Edge(edges_(i))));
     for (std::size_t i = 0; i < prepared_.faces.size(); ++i) read_face(i);
     if (model_.faces.empty()) throw CadError(no_face_message());
+    read_box();
     number_shells();
     return std::move(model_);
   }
@@ -99,13 +110,64 @@ class Reader {
     return i < names.size() ? names[i] : std::string();
   }
 
+  /// The size of the model, good enough to measure tolerances against: from vertices and points on edges.
+  void read_scale() {
+    clear_box();
+    for (int i = 1; i <= edges_.Extent(); ++i) {
+      double first, last;
+      const Handle(Geom_Curve) curve = BRep_Tool::Curve(TopoDS::Edge(edges_(i)), first, last);
+      if (curve.IsNull() || Precision::IsInfinite(first) || Precision::IsInfinite(last)) continue;
+      for (int k = 0; k <= 8; ++k) add_to_box(to_vec(curve->Value(first + (last - first) * k / 8)));
+    }
+    model_.diagonal = edges_.Extent() > 0 ? (model_.box_max - model_.box_min).norm() : 0;
+  }
+
+  /// The tight box: edges, and the inside of faces where they bulge out.
   void read_box() {
-    Bnd_Box box;
-    BRepBndLib::AddOptimal(prepared_.shape, box, Standard_False, Standard_False);
-    if (box.IsVoid() || box.IsOpen()) return;
-    model_.box_min = to_vec(box.CornerMin());
-    model_.box_max = to_vec(box.CornerMax());
+    clear_box();
+    for (const CadEdge& edge : model_.edges)
+      if (!edge.faces.empty())
+        for (const Vec3& p : edge.polyline) add_to_box(p);
+    const double slack = 2 * tolerance();
+    for (std::size_t e = 0; e < model_.edges.size(); ++e)
+      if (!model_.edges[e].faces.empty() && !model_.edges[e].degenerate) add_extremes(static_cast<int>(e) + 1, slack);
+    for (std::size_t f = 0; f < model_.faces.size(); ++f) extend_box(model_.faces[f], breaks_[f], model_.box_min, model_.box_max);
     model_.diagonal = (model_.box_max - model_.box_min).norm();
+  }
+
+  void clear_box() {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    model_.box_min = Vec3(inf, inf, inf);
+    model_.box_max = -model_.box_min;
+  }
+  void add_to_box(const Vec3& p) {
+    model_.box_min.minimize(p);
+    model_.box_max.maximize(p);
+  }
+
+  /// Where the polyline of an edge comes within `slack` of the box, its curve may reach beyond.
+  void add_extremes(int edge_index, double slack) {
+    const std::vector<Vec3>& line = model_.edges[static_cast<std::size_t>(edge_index) - 1].polyline;
+    double first, last;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(TopoDS::Edge(edges_(edge_index)), first, last);
+    if (curve.IsNull() || line.size() < 3) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (const Vec3& p : line) low = std::min(low, p[axis]), high = std::max(high, p[axis]);
+      if (low > model_.box_min[axis] + slack && high < model_.box_max[axis] - slack) continue;
+      constexpr int samples = 256;
+      for (const double sign : {-1.0, 1.0}) {
+        const auto value = [&](double t) { return sign * to_vec(curve->Value(t))[axis]; };
+        int best = 0;
+        for (int k = 1; k <= samples; ++k)
+          if (value(first + (last - first) * k / samples) > value(first + (last - first) * best / samples)) best = k;
+        const double t0 = first + (last - first) * std::max(best - 1, 0) / samples;
+        const double t1 = first + (last - first) * std::min(best + 1, samples) / samples;
+        const double extreme = sign * golden_maximum(t0, t1, value);
+        model_.box_min[axis] = std::min(model_.box_min[axis], extreme);
+        model_.box_max[axis] = std::max(model_.box_max[axis], extreme);
+      }
+    }
   }
 
   double tolerance() const { return chord_share * model_.diagonal; }
@@ -186,23 +248,38 @@ class Reader {
     face.surface = make_surface(surface);
     face.u_min = face.v_min = std::numeric_limits<double>::infinity();
     face.u_max = face.v_max = -std::numeric_limits<double>::infinity();
+    std::vector<std::vector<ParameterPolyline>> lines;
     for (const auto& wire : wires.loops) {
       TrimLoop loop;
-      for (const WireEdge& use : wire) loop.coedges.push_back(read_coedge(use, face));
+      lines.emplace_back();
+      for (const WireEdge& use : wire) {
+        lines.back().emplace_back();
+        loop.coedges.push_back(read_coedge(use, face, lines.back().back()));
+      }
       face.loops.push_back(std::move(loop));
     }
     for (const double bound : {face.u_min, face.u_max, face.v_min, face.v_max})
       if (!std::isfinite(bound)) return "its parameter box is not finite";
-    GProp_GProps properties;
-    BRepGProp::SurfaceProperties(shape, properties, 1e-3);
-    face.area = std::abs(properties.Mass());
-    if (!std::isfinite(face.area)) return "its area is not finite";
+    const SurfaceBreaks breaks{breaks_within(face.surface->u_breaks(), face.surface->u_period(), face.u_min, face.u_max),
+                               breaks_within(face.surface->v_breaks(), face.surface->v_period(), face.v_min, face.v_max)};
+    std::vector<double> areas;
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      areas.push_back(0);
+      for (std::size_t i = 0; i < lines[k].size(); ++i) {
+        const Coedge& coedge = face.loops[k].coedges[i];
+        areas[k] += (coedge.reversed ? -1 : 1) * area_share(*face.surface, breaks, *coedge.pcurve, lines[k][i], face.u_min);
+      }
+      if (!std::isfinite(areas[k])) return "its area is not finite";
+    }
+    orient_loops(face, areas);
+    for (const double area : areas) face.area += area;
     const double smallest = std::pow(1e-9 * model_.diagonal, 2);
     if (face.area <= smallest) return fmt::format("its area is zero ({:.3g} mm^2)", face.area);
-    return orient_loops(face);
+    breaks_.push_back(breaks);
+    return {};
   }
 
-  Coedge read_coedge(const WireEdge& use, CadFace& face) const {
+  Coedge read_coedge(const WireEdge& use, CadFace& face, ParameterPolyline& line) const {
     Coedge coedge;
     coedge.edge = edges_.FindIndex(use.edge) - 1;
     coedge.reversed = use.reversed;
@@ -210,42 +287,34 @@ class Reader {
     coedge.last = use.last;
     coedge.pcurve = make_curve2(use.pcurve, use.first, use.last);
     const Geom2dAdaptor_Curve adaptor(use.pcurve, use.first, use.last);
-    ParameterPolyline line =
-        parameter_polyline(*coedge.pcurve, use.first, use.last, *face.surface, inner_breaks(adaptor),
-                           adaptor.GetType() == GeomAbs_Line ? 4 : 12, tolerance());
+    line = parameter_polyline(*coedge.pcurve, use.first, use.last, *face.surface, inner_breaks(adaptor),
+                              adaptor.GetType() == GeomAbs_Line ? 4 : 12, tolerance());
     extend_range(*coedge.pcurve, line, 0, face.u_min, face.u_max);
     extend_range(*coedge.pcurve, line, 1, face.v_min, face.v_max);
-    if (use.reversed) std::reverse(line.points.begin(), line.points.end());
-    coedge.polyline = std::move(line.points);
+    coedge.polyline = line.points;
+    if (use.reversed) std::reverse(coedge.polyline.begin(), coedge.polyline.end());
     return coedge;
   }
 
   /// Material to the left of every loop: outer loops run counter-clockwise, holes clockwise.
-  std::string orient_loops(CadFace& face) {
+  /// @param areas  signed area of each loop on the surface; negated where a loop is turned round
+  void orient_loops(CadFace& face, std::vector<double>& areas) {
     const std::size_t n = face.loops.size();
     std::vector<std::vector<Vec2>> polygons(n);
-    std::vector<double> areas(n);
-    const Vec2 scale(1 / std::max(face.u_max - face.u_min, 1e-300), 1 / std::max(face.v_max - face.v_min, 1e-300));
-    for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t k = 0; k < n; ++k)
       for (const Coedge& coedge : face.loops[k].coedges)
-        for (const Vec2& p : coedge.polyline)
-          polygons[k].emplace_back((p[0] - face.u_min) * scale[0], (p[1] - face.v_min) * scale[1]);
-      areas[k] = twice_area(polygons[k]);
-    }
-    bool has_material = false;
+        polygons[k].insert(polygons[k].end(), coedge.polyline.begin(), coedge.polyline.end());
     for (std::size_t k = 0; k < n; ++k) {
       int depth = 0;
       for (std::size_t m = 0; m < n; ++m)
         if (m != k && std::abs(areas[m]) > std::abs(areas[k]) && mostly_inside(polygons[k], polygons[m])) ++depth;
       TrimLoop& loop = face.loops[k];
       loop.outer = depth % 2 == 0;
-      has_material = has_material || (loop.outer && std::abs(areas[k]) > 1e-12);
-      if (areas[k] != 0 && loop.outer != (areas[k] > 0)) {
-        reverse(loop);
-        warn(face, loop.outer ? "its outer loop ran backwards" : "the loop of a hole ran backwards");
-      }
+      if (areas[k] == 0 || loop.outer == (areas[k] > 0)) continue;
+      reverse(loop);
+      areas[k] = -areas[k];
+      warn(face, loop.outer ? "its outer loop ran backwards" : "the loop of a hole ran backwards");
     }
-    return has_material ? std::string() : std::string("its trimming loops enclose nothing in (u,v)");
   }
 
   static bool mostly_inside(const std::vector<Vec2>& inner, const std::vector<Vec2>& outer) {
@@ -289,6 +358,7 @@ class Reader {
   const Shape& source_;
   PreparedShape prepared_;
   TopTools_IndexedMapOfShape faces_, edges_, vertices_;
+  std::vector<SurfaceBreaks> breaks_;  // beside model_.faces
   CadModel model_;
 };
 

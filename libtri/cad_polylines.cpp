@@ -6,28 +6,6 @@
 #include "libtri/adaptive_polyline.hpp"
 
 namespace tri {
-namespace {
-
-/// Largest of f in [a, b], where f has one maximum there (golden section).
-template <class F>
-double golden_maximum(double a, double b, F f) {
-  constexpr double golden = 0.6180339887498949;
-  double x1 = b - golden * (b - a), x2 = a + golden * (b - a);
-  double f1 = f(x1), f2 = f(x2);
-  for (int i = 0; i < 40; ++i) {
-    if (f1 < f2) {
-      a = x1, x1 = x2, f1 = f2;
-      x2 = a + golden * (b - a), f2 = f(x2);
-    } else {
-      b = x2, x2 = x1, f2 = f1;
-      x1 = b - golden * (b - a), f1 = f(x1);
-    }
-  }
-  return std::max(f1, f2);
-}
-
-}  // namespace
-
 ParameterPolyline parameter_polyline(const Curve2& curve, double first, double last, const Surface& surface,
                                      const std::vector<double>& inner, int pieces, double tolerance) {
   double metric_t0 = NAN, metric_t1 = NAN, e = 0, f = 0, g = 0;
@@ -69,17 +47,6 @@ void extend_range(const Curve2& curve, const ParameterPolyline& polyline, int ax
     if (sign < 0) low = std::min(low, -extreme);
     else high = std::max(high, extreme);
   }
-}
-
-double twice_area(const std::vector<Vec2>& polygon) {
-  double sum = 0;
-  if (polygon.empty()) return 0;
-  const Vec2 origin = polygon.front();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2 a = polygon[i] - origin, b = polygon[(i + 1) % polygon.size()] - origin;
-    sum += a[0] * b[1] - a[1] * b[0];
-  }
-  return sum;
 }
 
 bool inside_polygon(const std::vector<Vec2>& polygon, const Vec2& point) {

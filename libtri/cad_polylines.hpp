@@ -24,9 +24,6 @@ ParameterPolyline parameter_polyline(const Curve2& curve, double first, double l
 /// neighbouring points.
 void extend_range(const Curve2& curve, const ParameterPolyline& polyline, int axis, double& low, double& high);
 
-/// Twice the signed area of a closed polygon; its last point need not repeat the first.
-double twice_area(const std::vector<Vec2>& polygon);
-
 /// True if `point` is inside the closed polygon, by crossings.
 bool inside_polygon(const std::vector<Vec2>& polygon, const Vec2& point);
 
