@@ -1,11 +1,6 @@
 #include "io/cad_file.hpp"
 
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <sstream>
+#include <fmt/format.h>
 
 #include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepTools.hxx>
@@ -16,7 +11,12 @@
 #include <STEPControl_Writer.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
-#include <fmt/format.h>
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
 
 #include "io/atomic_file.hpp"
 #include "io/cad_transfer.hpp"
@@ -31,7 +31,8 @@ enum class Format { iges, step, brep, brep_binary };
 
 std::string lower_extension(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension;
 }
 
@@ -82,8 +83,8 @@ Format tell_format(const std::string& path) {
   if (head.find("Open CASCADE Topology V") != std::string::npos) return Format::brep_binary;
   if (has_iges_section(head, "SCB")) {
     if (!has_iges_section(tail, "T"))
-      throw IoError(path, "is truncated: an IGES file ends with a terminate section (T in column 73)", IoError::Unit::byte,
-                    size);
+      throw IoError(path, "is truncated: an IGES file ends with a terminate section (T in column 73)",
+                    IoError::Unit::byte, size);
     return Format::iges;
   }
   const std::string extension = lower_extension(path);
@@ -131,10 +132,18 @@ CadFile read_cad(const std::string& path, Context& context) {
   CadTransfer transfer;
   const std::string failure = run_guarded([&] {
     switch (format) {
-      case Format::iges: transfer = transfer_iges(path, context); break;
-      case Format::step: transfer = transfer_step(path, context); break;
-      case Format::brep: transfer = transfer_brep(path, false); break;
-      case Format::brep_binary: transfer = transfer_brep(path, true); break;
+      case Format::iges:
+        transfer = transfer_iges(path, context);
+        break;
+      case Format::step:
+        transfer = transfer_step(path, context);
+        break;
+      case Format::brep:
+        transfer = transfer_brep(path, false);
+        break;
+      case Format::brep_binary:
+        transfer = transfer_brep(path, true);
+        break;
     }
   });
   if (!failure.empty()) throw IoError(path, "cannot be read: " + failure);

@@ -1,8 +1,6 @@
 #include "io/cad_transfer.hpp"
 
-#include <map>
-#include <set>
-#include <unordered_map>
+#include <fmt/format.h>
 
 #include <IGESControl_Reader.hxx>
 #include <IGESData_GlobalSection.hxx>
@@ -16,8 +14,8 @@
 #include <StepShape_Face.hxx>
 #include <StepShape_ManifoldSolidBrep.hxx>
 #include <StepShape_ShellBasedSurfaceModel.hxx>
-#include <TCollection_HAsciiString.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -25,7 +23,9 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
-#include <fmt/format.h>
+#include <map>
+#include <set>
+#include <unordered_map>
 
 #include "io/occt_session.hpp"
 #include "meshops/error.hpp"
@@ -33,30 +33,52 @@
 namespace tri {
 namespace {
 
-bool has_face(const TopoDS_Shape& shape) { return !shape.IsNull() && TopExp_Explorer(shape, TopAbs_FACE).More(); }
+bool has_face(const TopoDS_Shape& shape) {
+  return !shape.IsNull() && TopExp_Explorer(shape, TopAbs_FACE).More();
+}
 
-std::string text(const Handle(TCollection_HAsciiString)& s) { return s.IsNull() ? std::string() : s->ToCString(); }
+std::string text(const Handle(TCollection_HAsciiString) & s) {
+  return s.IsNull() ? std::string() : s->ToCString();
+}
 
 const char* iges_type_name(int type) {
   switch (type) {
-    case 108: return "plane";
-    case 114: return "parametric spline surface";
-    case 118: return "ruled surface";
-    case 120: return "surface of revolution";
-    case 122: return "tabulated cylinder";
-    case 128: return "B-spline surface";
-    case 140: return "offset surface";
-    case 143: return "bounded surface";
-    case 144: return "trimmed surface";
-    case 186: return "solid";
-    case 190: return "plane surface";
-    case 192: return "cylindrical surface";
-    case 194: return "conical surface";
-    case 196: return "spherical surface";
-    case 198: return "toroidal surface";
-    case 510: return "face";
-    case 514: return "shell";
-    default: return "entity";
+    case 108:
+      return "plane";
+    case 114:
+      return "parametric spline surface";
+    case 118:
+      return "ruled surface";
+    case 120:
+      return "surface of revolution";
+    case 122:
+      return "tabulated cylinder";
+    case 128:
+      return "B-spline surface";
+    case 140:
+      return "offset surface";
+    case 143:
+      return "bounded surface";
+    case 144:
+      return "trimmed surface";
+    case 186:
+      return "solid";
+    case 190:
+      return "plane surface";
+    case 192:
+      return "cylindrical surface";
+    case 194:
+      return "conical surface";
+    case 196:
+      return "spherical surface";
+    case 198:
+      return "toroidal surface";
+    case 510:
+      return "face";
+    case 514:
+      return "shell";
+    default:
+      return "entity";
   }
 }
 
@@ -93,11 +115,11 @@ class Warnings {
 };
 
 /// Everything the reader had to say about one entity, fails before warnings.
-std::string reason_of(const XSControl_Reader& reader, const Handle(Standard_Transient)& entity) {
+std::string reason_of(const XSControl_Reader& reader, const Handle(Standard_Transient) & entity) {
   const Handle(Interface_InterfaceModel) model = reader.Model();
   std::set<std::string> reasons;
   std::string first;
-  const auto collect = [&](const Handle(Interface_Check)& check) {
+  const auto collect = [&](const Handle(Interface_Check) & check) {
     if (check.IsNull()) return;
     for (int i = 1; i <= check->NbFails(); ++i) {
       const std::string line = check->CFail(i);
@@ -122,7 +144,7 @@ void add_transfer_messages(const XSControl_Reader& reader, Warnings& warnings) {
 }
 
 /// Entities that the parser could not fill: they, and whatever refers to them, are lost.
-void add_parse_failures(const Handle(Interface_InterfaceModel)& model, Warnings& warnings) {
+void add_parse_failures(const Handle(Interface_InterfaceModel) & model, Warnings& warnings) {
   for (int i = 1; i <= model->NbEntities(); ++i) {
     const Handle(Interface_Check)& check = model->Check(i, Standard_True);
     for (int k = 1; k <= check->NbFails(); ++k) warnings.add(check->CFail(k));
@@ -131,7 +153,7 @@ void add_parse_failures(const Handle(Interface_InterfaceModel)& model, Warnings&
   for (int k = 1; !global.IsNull() && k <= global->NbFails(); ++k) warnings.add(global->CFail(k));
 }
 
-TopoDS_Shape result_of(const XSControl_Reader& reader, const Handle(Standard_Transient)& entity) {
+TopoDS_Shape result_of(const XSControl_Reader& reader, const Handle(Standard_Transient) & entity) {
   return TransferBRep::ShapeResult(reader.WS()->TransferReader()->TransientProcess(), entity);
 }
 
@@ -141,7 +163,8 @@ class FaceNames {
   void add(const TopoDS_Shape& shape, const std::string& name) {
     if (name.empty() || shape.IsNull()) return;
     int i = 0;
-    for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next(), ++i) names_.emplace(it.Current().TShape().get(), name);
+    for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next(), ++i)
+      names_.emplace(it.Current().TShape().get(), name);
   }
   std::vector<std::string> in_order(const TopoDS_Shape& shape) const {
     if (names_.empty() || shape.IsNull()) return {};
@@ -174,24 +197,36 @@ void read_file(XSControl_Reader& reader, const std::string& path, const char* fo
 
 double iges_unit_mm(const IGESData_GlobalSection& section) {
   switch (section.UnitFlag()) {
-    case 1: return 25.4;
-    case 2: return 1;
-    case 4: return 304.8;
-    case 5: return 1609344;
-    case 6: return 1000;
-    case 7: return 1e6;
-    case 8: return 0.0254;
-    case 9: return 0.001;
-    case 10: return 10;
-    case 11: return 25.4e-6;
-    default: return 0;
+    case 1:
+      return 25.4;
+    case 2:
+      return 1;
+    case 4:
+      return 304.8;
+    case 5:
+      return 1609344;
+    case 6:
+      return 1000;
+    case 7:
+      return 1e6;
+    case 8:
+      return 0.0254;
+    case 9:
+      return 0.001;
+    case 10:
+      return 10;
+    case 11:
+      return 25.4e-6;
+    default:
+      return 0;
   }
 }
 
 double step_unit_mm(const std::string& name) {
   static const std::map<std::string, double> known{
-      {"millimetre", 1}, {"metre", 1000},    {"centimetre", 10}, {"decimetre", 100}, {"kilometre", 1e6}, {"micrometre", 1e-3},
-      {"nanometre", 1e-6}, {"INCH", 25.4}, {"inch", 25.4}, {"FOOT", 304.8}, {"foot", 304.8}, {"FEET", 304.8}, {"MILE", 1609344}, {"THOU", 0.0254}, {"MIL", 0.0254}};
+      {"millimetre", 1},    {"metre", 1000},     {"centimetre", 10}, {"decimetre", 100}, {"kilometre", 1e6},
+      {"micrometre", 1e-3}, {"nanometre", 1e-6}, {"INCH", 25.4},     {"inch", 25.4},     {"FOOT", 304.8},
+      {"foot", 304.8},      {"FEET", 304.8},     {"MILE", 1609344},  {"THOU", 0.0254},   {"MIL", 0.0254}};
   const auto it = known.find(name);
   return it == known.end() ? 0 : it->second;
 }
@@ -209,8 +244,10 @@ bool is_iges_surface(int type) {
     case 192:
     case 194:
     case 196:
-    case 198: return true;
-    default: return false;
+    case 198:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -267,8 +304,10 @@ CadTransfer transfer_step(const std::string& path, Context& context) {
   reader.FileUnits(lengths, angles, solid_angles);
   for (int i = 1; i <= lengths.Length(); ++i) {
     const std::string name = lengths(i).ToCString();
-    if (result.file.unit.empty()) result.file.unit = name;
-    else if (name != result.file.unit) result.file.warnings.push_back("a further length unit is declared: " + name);
+    if (result.file.unit.empty())
+      result.file.unit = name;
+    else if (name != result.file.unit)
+      result.file.warnings.push_back("a further length unit is declared: " + name);
   }
   result.file.unit_mm = step_unit_mm(result.file.unit);
 
@@ -280,7 +319,7 @@ CadTransfer transfer_step(const std::string& path, Context& context) {
 
   // Without product structure (or with one that leads nowhere) nothing was transferred: take the parts themselves.
   Warnings warnings;
-  const auto take_each = [&](const Handle(Standard_Type)& type, const char* what) {
+  const auto take_each = [&](const Handle(Standard_Type) & type, const char* what) {
     int count = 0;
     for (int i = 1; i <= model->NbEntities() && !context.cancelled(); ++i)
       if (model->Value(i)->IsKind(type) && reader.TransferEntity(model->Value(i))) ++count;

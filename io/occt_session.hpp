@@ -3,12 +3,11 @@
 // Included only by the source files that wrap OpenCASCADE's readers and writers.
 #include <signal.h>
 
+#include <Message_ProgressIndicator.hxx>
+#include <Message_SequenceOfPrinters.hxx>
 #include <array>
 #include <functional>
 #include <string>
-
-#include <Message_ProgressIndicator.hxx>
-#include <Message_SequenceOfPrinters.hxx>
 
 #include "meshops/context.hpp"
 

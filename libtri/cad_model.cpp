@@ -1,8 +1,6 @@
 #include "libtri/cad_model.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include <fmt/format.h>
 
 #include <BRep_Tool.hxx>
 #include <Geom2dAdaptor_Curve.hxx>
@@ -17,7 +15,9 @@
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
-#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "libtri/adaptive_polyline.hpp"
 #include "libtri/cad_polylines.hpp"
@@ -34,7 +34,9 @@ namespace {
 
 constexpr double chord_share = 1e-5;  // of the diagonal
 
-Vec3 to_vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
+Vec3 to_vec(const gp_Pnt& p) {
+  return {p.X(), p.Y(), p.Z()};
+}
 
 std::string describe(const Standard_Failure& failure) {
   const char* text = failure.GetMessageString();
@@ -43,17 +45,28 @@ std::string describe(const Standard_Failure& failure) {
 
 const char* type_name(GeomAbs_SurfaceType type) {
   switch (type) {
-    case GeomAbs_Plane: return "plane";
-    case GeomAbs_Cylinder: return "cylinder";
-    case GeomAbs_Cone: return "cone";
-    case GeomAbs_Sphere: return "sphere";
-    case GeomAbs_Torus: return "torus";
-    case GeomAbs_BezierSurface: return "bezier";
-    case GeomAbs_BSplineSurface: return "b-spline";
-    case GeomAbs_SurfaceOfRevolution: return "revolution";
-    case GeomAbs_SurfaceOfExtrusion: return "extrusion";
-    case GeomAbs_OffsetSurface: return "offset";
-    default: return "other";
+    case GeomAbs_Plane:
+      return "plane";
+    case GeomAbs_Cylinder:
+      return "cylinder";
+    case GeomAbs_Cone:
+      return "cone";
+    case GeomAbs_Sphere:
+      return "sphere";
+    case GeomAbs_Torus:
+      return "torus";
+    case GeomAbs_BezierSurface:
+      return "bezier";
+    case GeomAbs_BSplineSurface:
+      return "b-spline";
+    case GeomAbs_SurfaceOfRevolution:
+      return "revolution";
+    case GeomAbs_SurfaceOfExtrusion:
+      return "extrusion";
+    case GeomAbs_OffsetSurface:
+      return "offset";
+    default:
+      return "other";
   }
 }
 
@@ -131,7 +144,8 @@ class Reader {
     const double slack = 2 * tolerance();
     for (std::size_t e = 0; e < model_.edges.size(); ++e)
       if (!model_.edges[e].faces.empty() && !model_.edges[e].degenerate) add_extremes(static_cast<int>(e) + 1, slack);
-    for (std::size_t f = 0; f < model_.faces.size(); ++f) extend_box(model_.faces[f], breaks_[f], model_.box_min, model_.box_max);
+    for (std::size_t f = 0; f < model_.faces.size(); ++f)
+      extend_box(model_.faces[f], breaks_[f], model_.box_min, model_.box_max);
     model_.diagonal = (model_.box_max - model_.box_min).norm();
   }
 
@@ -193,7 +207,8 @@ class Reader {
   }
 
   template <class Point>
-  std::vector<Vec3> space_polyline(Point point, double first, double last, std::vector<double> inner, int pieces) const {
+  std::vector<Vec3> space_polyline(Point point, double first, double last, std::vector<double> inner,
+                                   int pieces) const {
     const auto deviation = [&](double t0, double t, double t1) {
       const Vec3 a = point(t0), chord = point(t1) - a, d = point(t) - a;
       const double cc = chord | chord;
@@ -228,7 +243,8 @@ class Reader {
     }
     const int position = static_cast<int>(model_.faces.size());
     for (const TrimLoop& loop : face.loops)
-      for (const Coedge& coedge : loop.coedges) model_.edges[static_cast<std::size_t>(coedge.edge)].faces.push_back(position);
+      for (const Coedge& coedge : loop.coedges)
+        model_.edges[static_cast<std::size_t>(coedge.edge)].faces.push_back(position);
     model_.faces.push_back(std::move(face));
   }
 
@@ -242,9 +258,12 @@ class Reader {
     const WireLoops wires = wire_loops(shape);
     if (!wires.error.empty()) return wires.error;
     if (wires.worst_gap > 0.25)
-      return fmt::format("a trimming loop does not close: it jumps over {:.0f}% of the parameter box", 100 * wires.worst_gap);
-    if (wires.worst_gap > 0.02) warn(face, fmt::format("a trimming loop jumps over {:.1f}% of the parameter box", 100 * wires.worst_gap));
-    if (wires.internal_edges > 0) warn(face, fmt::format("{} edges inside its material are left out", wires.internal_edges));
+      return fmt::format("a trimming loop does not close: it jumps over {:.0f}% of the parameter box",
+                         100 * wires.worst_gap);
+    if (wires.worst_gap > 0.02)
+      warn(face, fmt::format("a trimming loop jumps over {:.1f}% of the parameter box", 100 * wires.worst_gap));
+    if (wires.internal_edges > 0)
+      warn(face, fmt::format("{} edges inside its material are left out", wires.internal_edges));
     face.surface = make_surface(surface);
     face.u_min = face.v_min = std::numeric_limits<double>::infinity();
     face.u_max = face.v_max = -std::numeric_limits<double>::infinity();
@@ -260,14 +279,16 @@ class Reader {
     }
     for (const double bound : {face.u_min, face.u_max, face.v_min, face.v_max})
       if (!std::isfinite(bound)) return "its parameter box is not finite";
-    const SurfaceBreaks breaks{breaks_within(face.surface->u_breaks(), face.surface->u_period(), face.u_min, face.u_max),
-                               breaks_within(face.surface->v_breaks(), face.surface->v_period(), face.v_min, face.v_max)};
+    const SurfaceBreaks breaks{
+        breaks_within(face.surface->u_breaks(), face.surface->u_period(), face.u_min, face.u_max),
+        breaks_within(face.surface->v_breaks(), face.surface->v_period(), face.v_min, face.v_max)};
     std::vector<double> areas;
     for (std::size_t k = 0; k < lines.size(); ++k) {
       areas.push_back(0);
       for (std::size_t i = 0; i < lines[k].size(); ++i) {
         const Coedge& coedge = face.loops[k].coedges[i];
-        areas[k] += (coedge.reversed ? -1 : 1) * area_share(*face.surface, breaks, *coedge.pcurve, lines[k][i], face.u_min);
+        areas[k] +=
+            (coedge.reversed ? -1 : 1) * area_share(*face.surface, breaks, *coedge.pcurve, lines[k][i], face.u_min);
       }
       if (!std::isfinite(areas[k])) return "its area is not finite";
     }
@@ -334,7 +355,8 @@ class Reader {
   void number_shells() {
     DisjointSets sets(model_.faces.size());
     for (const CadEdge& edge : model_.edges)
-      for (const int f : edge.faces) sets.join(static_cast<std::size_t>(f), static_cast<std::size_t>(edge.faces.front()));
+      for (const int f : edge.faces)
+        sets.join(static_cast<std::size_t>(f), static_cast<std::size_t>(edge.faces.front()));
     std::vector<int> number(model_.faces.size(), -1);
     int count = 0;
     for (std::size_t f = 0; f < model_.faces.size(); ++f) {
@@ -345,14 +367,15 @@ class Reader {
   }
 
   void warn(const CadFace& face, const std::string& text) {
-    model_.warnings.push_back(fmt::format("face {}{}: {}", face.index, face.name.empty() ? "" : " (" + face.name + ")", text));
+    model_.warnings.push_back(
+        fmt::format("face {}{}: {}", face.index, face.name.empty() ? "" : " (" + face.name + ")", text));
   }
 
   std::string no_face_message() const {
     if (model_.unusable_faces.empty()) return "the model holds no face";
     const UnusableFace& first = model_.unusable_faces.front();
-    return fmt::format("none of the model's {} faces can be used; face {}: {}", model_.unusable_faces.size(), first.index,
-                       first.reason);
+    return fmt::format("none of the model's {} faces can be used; face {}: {}", model_.unusable_faces.size(),
+                       first.index, first.reason);
   }
 
   const Shape& source_;

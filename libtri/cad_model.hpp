@@ -18,8 +18,8 @@ struct Coedge {
   bool reversed = false;                 ///< the loop runs against the edge's own direction
   std::shared_ptr<const Curve2> pcurve;  ///< (u,v) over [first, last], in the edge's own direction
   double first = 0, last = 0;
-  /// pcurve within the chord tolerance, in the loop's direction, both ends included. The next coedge may start a gap away, as
-  /// wide as the file's tolerances: join the two with a straight segment.
+  /// pcurve within the chord tolerance, in the loop's direction, both ends included. The next coedge may start a gap
+  /// away, as wide as the file's tolerances: join the two with a straight segment.
   std::vector<Vec2> polyline;
 };
 
@@ -31,23 +31,23 @@ struct TrimLoop {
 
 /// A trimmed face of any surface type. (u,v) are those of the surface as read.
 struct CadFace {
-  int index = 0;                            ///< 1-based, TopExp::MapShapes order of the shape as read, before sewing
+  int index = 0;  ///< 1-based, TopExp::MapShapes order of the shape as read, before sewing
   std::shared_ptr<const Surface> surface;
-  bool reversed = false;                    ///< the outward normal is -(du x dv)
+  bool reversed = false;  ///< the outward normal is -(du x dv)
   std::vector<TrimLoop> loops;
   double u_min = 0, u_max = 0, v_min = 0, v_max = 0;  ///< parameter box of the trimmed face
-  double area = 0;                          ///< mm^2
-  std::string name;                         ///< from the file, may be empty
-  std::string surface_type;                 ///< "plane", "cylinder", ... "b-spline"
-  int shape_face = 0;                       ///< 1-based, TopExp::MapShapes order of CadModel::shape (after sewing)
-  int shell = 0;                            ///< 0-based connected component of the sewn model
+  double area = 0;                                    ///< mm^2
+  std::string name;                                   ///< from the file, may be empty
+  std::string surface_type;                           ///< "plane", "cylinder", ... "b-spline"
+  int shape_face = 0;  ///< 1-based, TopExp::MapShapes order of CadModel::shape (after sewing)
+  int shell = 0;       ///< 0-based connected component of the sewn model
 };
 
 /// A curve where faces meet, or a free rim.
 ///
 /// Entry i of CadModel::edges is edge i + 1 in TopExp::MapShapes order of CadModel::shape.
 struct CadEdge {
-  std::vector<int> faces;      ///< 0-based positions in CadModel::faces, one entry per use (a seam names its face twice)
+  std::vector<int> faces;  ///< 0-based positions in CadModel::faces, one entry per use (a seam names its face twice)
   std::vector<Vec3> polyline;  ///< the curve in space within the chord tolerance; a single point for a degenerate edge
   double tolerance = 0;        ///< mm, as the file states
   bool degenerate = false;     ///< a pole: a point in space, a curve in (u,v)
@@ -56,7 +56,7 @@ struct CadEdge {
 
 /// A face of the file that could not be used.
 struct UnusableFace {
-  int index = 0;       ///< 1-based, as CadFace::index
+  int index = 0;  ///< 1-based, as CadFace::index
   std::string name;
   std::string reason;
 };
@@ -69,15 +69,15 @@ struct CadModel {
   std::vector<UnusableFace> unusable_faces;
   std::vector<std::string> warnings;  ///< what was repaired or is odd, one line each, naming faces by CadFace::index
   Vec3 box_min{0, 0, 0}, box_max{0, 0, 0};
-  double diagonal = 0;         ///< mm, of the tight bounding box
-  Shape shape;                 ///< a copy of the shape after sewing and repair, for what still needs OpenCASCADE
+  double diagonal = 0;  ///< mm, of the tight bounding box
+  Shape shape;          ///< a copy of the shape after sewing and repair, for what still needs OpenCASCADE
 };
 
 /// Reads the faces, trimming loops and adjacency of `shape`, sewn as `sewn()` says where it has no topology of its own.
 ///
-/// Polylines keep within 1e-5 of the model's diagonal, measured in space. The outward side of a face is the one that its shell (after
-/// sewing) gives it; a model that is inside out stays so. Faces that cannot be used are named in `unusable_faces`;
-/// whatever they shared with others becomes a free edge. `shape` itself is not changed.
+/// Polylines keep within 1e-5 of the model's diagonal, measured in space. The outward side of a face is the one that
+/// its shell (after sewing) gives it; a model that is inside out stays so. Faces that cannot be used are named in
+/// `unusable_faces`; whatever they shared with others becomes a free edge. `shape` itself is not changed.
 /// @param sew_tolerance  mm, > 0
 /// @throws InvalidInput if `shape` is empty or the tolerance is not positive.
 /// @throws CadError if no face is usable.

@@ -44,8 +44,10 @@ void extend_range(const Curve2& curve, const ParameterPolyline& polyline, int ax
     double extreme = sign * polyline.points[best][axis];
     if (best > 0) extreme = std::max(extreme, golden_maximum(t[best - 1], t[best], value));
     if (best + 1 < n) extreme = std::max(extreme, golden_maximum(t[best], t[best + 1], value));
-    if (sign < 0) low = std::min(low, -extreme);
-    else high = std::max(high, extreme);
+    if (sign < 0)
+      low = std::min(low, -extreme);
+    else
+      high = std::max(high, extreme);
   }
 }
 

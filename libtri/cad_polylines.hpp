@@ -20,8 +20,8 @@ struct ParameterPolyline {
 ParameterPolyline parameter_polyline(const Curve2& curve, double first, double last, const Surface& surface,
                                      const std::vector<double>& inner, int pieces, double tolerance);
 
-/// Smallest and largest value of coordinate `axis` (0: u, 1: v) of `curve` around `polyline`, to 1e-9 of the range between
-/// neighbouring points.
+/// Smallest and largest value of coordinate `axis` (0: u, 1: v) of `curve` around `polyline`, to 1e-9 of the range
+/// between neighbouring points.
 void extend_range(const Curve2& curve, const ParameterPolyline& polyline, int axis, double& low, double& high);
 
 /// True if `point` is inside the closed polygon, by crossings.

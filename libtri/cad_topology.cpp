@@ -14,7 +14,9 @@ struct Use {
   long partner = -1;
 };
 
-std::size_t end_of(std::size_t use, bool edge_end) { return 2 * use + (edge_end ? 1 : 0); }
+std::size_t end_of(std::size_t use, bool edge_end) {
+  return 2 * use + (edge_end ? 1 : 0);
+}
 
 }  // namespace
 
@@ -96,7 +98,8 @@ CadTopology cad_topology(const CadModel& model) {
       if (uses[u].partner < 0) chain_roots.insert(chains.find(fan));
       const int vertex = edge_end ? edge.end_vertex : edge.start_vertex;
       if (vertex < 0) continue;
-      if (fans_of_vertex.size() <= static_cast<std::size_t>(vertex)) fans_of_vertex.resize(static_cast<std::size_t>(vertex) + 1);
+      if (fans_of_vertex.size() <= static_cast<std::size_t>(vertex))
+        fans_of_vertex.resize(static_cast<std::size_t>(vertex) + 1);
       fans_of_vertex[static_cast<std::size_t>(vertex)].insert(fan);
     }
   }

@@ -6,8 +6,8 @@ namespace tri {
 
 /// What the loops and edges of a model say about it as a surface, without any triangle.
 ///
-/// Counted on the manifold that the faces form: edges with more than two uses, or with two uses that run the same way, are cut
-/// open, and a vertex where several fans of faces meet counts once for each fan, as `tessellate` does it.
+/// Counted on the manifold that the faces form: edges with more than two uses, or with two uses that run the same way,
+/// are cut open, and a vertex where several fans of faces meet counts once for each fan, as `tessellate` does it.
 struct CadTopology {
   long components = 0;            ///< sets of faces joined along edges
   long loops = 0;                 ///< closed boundary curves, made of free edges
@@ -20,8 +20,8 @@ struct CadTopology {
   long nonmanifold_vertices = 0;  ///< where several fans of faces meet
 };
 
-/// The formula holds because a trimmed face, cut along its seams, is an open piece of a plane with as many ends as it has
-/// trimming loops; a pole is one point, however long its parameter curve.
+/// The formula holds because a trimmed face, cut along its seams, is an open piece of a plane with as many ends as it
+/// has trimming loops; a pole is one point, however long its parameter curve.
 CadTopology cad_topology(const CadModel& model);
 
 }  // namespace tri

@@ -8,9 +8,10 @@ namespace tri {
 namespace {
 
 // Gauss-Legendre on [0,1].
-constexpr std::array<double, 5> gauss5_x{0.04691007703066802, 0.23076534494715845, 0.5, 0.76923465505284155, 0.95308992296933198};
-constexpr std::array<double, 5> gauss5_w{0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324,
-                                         0.11846344252809454};
+constexpr std::array<double, 5> gauss5_x{0.04691007703066802, 0.23076534494715845, 0.5, 0.76923465505284155,
+                                         0.95308992296933198};
+constexpr std::array<double, 5> gauss5_w{0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
+                                         0.23931433524968324, 0.11846344252809454};
 
 double area_element(const Surface& surface, double u, double v) {
   const SurfacePoint s = surface.evaluate(u, v);
@@ -43,8 +44,8 @@ double parameter_at(const Curve2& curve, double t0, double t1, double v) {
 
 }  // namespace
 
-double area_share(const Surface& surface, const SurfaceBreaks& breaks, const Curve2& curve, const ParameterPolyline& line,
-                  double u_start) {
+double area_share(const Surface& surface, const SurfaceBreaks& breaks, const Curve2& curve,
+                  const ParameterPolyline& line, double u_start) {
   double sum = 0;
   for (std::size_t i = 0; i + 1 < line.parameters.size(); ++i) {
     const double v0 = line.points[i][1], v1 = line.points[i + 1][1];
@@ -83,7 +84,9 @@ bool inside_loops(const CadFace& face, const Vec2& uv) {
 
 void extend_box(const CadFace& face, const SurfaceBreaks& breaks, Vec3& box_min, Vec3& box_max) {
   if (face.surface_type == "plane") return;  // reaches no farther than its loops
-  const auto count = [](std::size_t inner_breaks) { return std::clamp<int>(3 * static_cast<int>(inner_breaks + 1), 12, 60); };
+  const auto count = [](std::size_t inner_breaks) {
+    return std::clamp<int>(3 * static_cast<int>(inner_breaks + 1), 12, 60);
+  };
   const int nu = count(breaks.u.size()), nv = count(breaks.v.size());
   const double du = (face.u_max - face.u_min) / nu, dv = (face.v_max - face.v_min) / nv;
   struct Best {
@@ -91,7 +94,9 @@ void extend_box(const CadFace& face, const SurfaceBreaks& breaks, Vec3& box_min,
     Vec2 uv{0, 0};
   };
   std::array<Best, 6> best;  // +x, -x, +y, ...
-  const auto reach = [](const Vec3& p, int direction) { return direction % 2 == 0 ? p[direction / 2] : -p[direction / 2]; };
+  const auto reach = [](const Vec3& p, int direction) {
+    return direction % 2 == 0 ? p[direction / 2] : -p[direction / 2];
+  };
   double cell = 0;
   for (int i = 0; i < nu; ++i)
     for (int j = 0; j < nv; ++j) {
@@ -111,7 +116,8 @@ void extend_box(const CadFace& face, const SurfaceBreaks& breaks, Vec3& box_min,
     double step = 1;
     while (step > 1e-6) {
       bool moved = false;
-      for (const Vec2& way : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1), Vec2(1, 1), Vec2(-1, -1), Vec2(1, -1), Vec2(-1, 1)}) {
+      for (const Vec2& way :
+           {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1), Vec2(1, 1), Vec2(-1, -1), Vec2(1, -1), Vec2(-1, 1)}) {
         const Vec2 uv(best[d].uv[0] + step * way[0] * du, best[d].uv[1] + step * way[1] * dv);
         const double value = reach(face.surface->point(uv[0], uv[1]), d);
         if (value <= best[d].value || !inside_loops(face, uv)) continue;

@@ -12,11 +12,11 @@ struct SurfaceBreaks {
   std::vector<double> u, v;
 };
 
-/// Share of one trimming curve in its face's area: the integral of F dv along it, F(u,v) being the area element integrated
-/// from `u_start` to u. Over all loops, in their direction, the shares add up to the area (Green's theorem).
+/// Share of one trimming curve in its face's area: the integral of F dv along it, F(u,v) being the area element
+/// integrated from `u_start` to u. Over all loops, in their direction, the shares add up to the area (Green's theorem).
 /// @param line  the curve's polyline: between its parameters the curve is smooth
-double area_share(const Surface& surface, const SurfaceBreaks& breaks, const Curve2& curve, const ParameterPolyline& line,
-                  double u_start);
+double area_share(const Surface& surface, const SurfaceBreaks& breaks, const Curve2& curve,
+                  const ParameterPolyline& line, double u_start);
 
 /// True if (u,v) is inside the face's trimming polylines.
 bool inside_loops(const CadFace& face, const Vec2& uv);

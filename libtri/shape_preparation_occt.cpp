@@ -1,6 +1,6 @@
 #include "libtri/shape_preparation_occt.hpp"
 
-#include <cmath>
+#include <fmt/format.h>
 
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -19,7 +19,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
-#include <fmt/format.h>
+#include <cmath>
 
 #include "libtri/trim_loops_occt.hpp"
 
@@ -53,9 +53,11 @@ void copy_topology(PreparedShape& prepared) {
                [&](const TopoDS_Shape& face) { return copy.ModifiedShape(face); });
 }
 
-bool has_wire(const TopoDS_Shape& face) { return TopExp_Explorer(face, TopAbs_EDGE).More(); }
+bool has_wire(const TopoDS_Shape& face) {
+  return TopExp_Explorer(face, TopAbs_EDGE).More();
+}
 
-bool has_finite_bounds(const Handle(Geom_Surface)& surface) {
+bool has_finite_bounds(const Handle(Geom_Surface) & surface) {
   double u0, u1, v0, v1;
   surface->Bounds(u0, u1, v0, v1);
   for (const double bound : {u0, u1, v0, v1})

@@ -3,7 +3,6 @@
 // Included only by the source files that wrap OpenCASCADE.
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
-
 #include <string>
 #include <vector>
 
@@ -28,9 +27,10 @@ bool needs_sewing(const TopoDS_Shape& shape);
 /// Sews at `tolerance` mm and follows every face. Orientation is made coherent within each shell by the sewing.
 void sew(PreparedShape& prepared, double tolerance);
 
-/// From the shape as read to one that every later step can use: faces without wires get their natural bounds, loose faces
-/// are sewn at `sew_tolerance` mm, missing parameter curves are made, loops that do not close in (u,v) are repaired. The
-/// topology is copied first, geometry is shared: the shape as read stays untouched, whatever is stored in the result.
+/// From the shape as read to one that every later step can use: faces without wires get their natural bounds, loose
+/// faces are sewn at `sew_tolerance` mm, missing parameter curves are made, loops that do not close in (u,v) are
+/// repaired. The topology is copied first, geometry is shared: the shape as read stays untouched, whatever is stored in
+/// the result.
 PreparedShape prepare_shape(const TopoDS_Shape& shape, double sew_tolerance);
 
 }  // namespace tri

@@ -1,9 +1,5 @@
 #include "libtri/trim_loops_occt.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include <BRep_Tool.hxx>
 #include <Precision.hxx>
 #include <Standard_Failure.hxx>
@@ -11,21 +7,26 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <TopoDS_Vertex.hxx>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace tri {
 namespace {
 
-Vec2 value(const Handle(Geom2d_Curve)& curve, double t) {
+Vec2 value(const Handle(Geom2d_Curve) & curve, double t) {
   const gp_Pnt2d p = curve->Value(t);
   return {p.X(), p.Y()};
 }
 
 bool same_vertex(const WireEdge& a, const WireEdge& b) {
-  const TopoDS_Vertex end = TopExp::LastVertex(a.edge, Standard_True), start = TopExp::FirstVertex(b.edge, Standard_True);
+  const TopoDS_Vertex end = TopExp::LastVertex(a.edge, Standard_True),
+                      start = TopExp::FirstVertex(b.edge, Standard_True);
   return !end.IsNull() && !start.IsNull() && end.IsSame(start);
 }
 
-/// Puts the edges of a wire in running order: the nearest start in (u,v) among those that share the vertex, else among all.
+/// Puts the edges of a wire in running order: the nearest start in (u,v) among those that share the vertex, else among
+/// all.
 void chain(std::vector<WireEdge>& edges, const Vec2& scale) {
   const auto jump = [&](const WireEdge& a, const WireEdge& b) {
     const Vec2 d = b.start() - a.end();
@@ -63,8 +64,12 @@ Vec2 extent(const std::vector<std::vector<WireEdge>>& loops) {
 
 }  // namespace
 
-Vec2 WireEdge::start() const { return value(pcurve, reversed ? last : first); }
-Vec2 WireEdge::end() const { return value(pcurve, reversed ? first : last); }
+Vec2 WireEdge::start() const {
+  return value(pcurve, reversed ? last : first);
+}
+Vec2 WireEdge::end() const {
+  return value(pcurve, reversed ? first : last);
+}
 
 WireLoops wire_loops(const TopoDS_Face& oriented) {
   WireLoops result;
