@@ -1,0 +1,141 @@
+#include "io/points_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/atomic_file.hpp"
+#include "io/input_file.hpp"
+#include "io/mesh_file.hpp"
+#include "io/mesh_formats.hpp"
+#include "io/points_formats.hpp"
+#include "io/text_number.hpp"
+#include "meshops/error.hpp"
+
+namespace tri {
+namespace {
+
+using namespace io_detail;
+
+bool is_iges(std::string_view bytes) {
+  // Lines of 80 columns; column 73 names the section, the first of which is S.
+  return bytes.size() > 80 && bytes[72] == 'S' &&
+         bytes.substr(73, 7).find_first_not_of(" 01") == std::string_view::npos;
+}
+
+void refuse_other_kinds(std::string_view bytes, const std::string& name) {
+  const auto refuse = [&name](const std::string& what) {
+    throw IoError(name, "is not a text, PLY or PCD file of points: " + what);
+  };
+  if (bytes.starts_with("ISO-10303-21") || is_iges(bytes)) refuse("it is a CAD model");
+  if (bytes.starts_with("ASTM-E57")) refuse("E57 is not read");
+  if (bytes.starts_with("LASF")) refuse("LAS is not read");
+  if (bytes.starts_with("\x1f\x8b") || bytes.starts_with("PK\x03\x04")) refuse("it is compressed");
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) refuse("it is UTF-16 text");
+  if (file_extension(name) == "ptx") refuse("PTX is not read");
+  const std::size_t zero = bytes.substr(0, 1 << 16).find('\0');
+  if (zero != std::string_view::npos)
+    throw IoError(name, "is not a text, PLY or PCD file of points: it holds binary data", IoError::Unit::byte, zero);
+}
+
+PointSet from_mesh(std::string_view bytes, const std::string& name, Context& context, PointsFileInfo& info) {
+  MeshFileInfo mesh;
+  Context quiet;  // the notes are logged once, by the caller; cancelling still has to reach the reader
+  quiet.threads = context.threads;
+  quiet.on_progress = [&context, &quiet](std::string_view step, double share) {
+    context.progress(step, share);
+    if (context.cancelled()) quiet.cancel();
+  };
+  context.checkpoint();
+  Soup soup = parse_mesh(bytes, name, quiet, &mesh);
+  info.format = mesh.format == MeshFormat::ply ? PointsFormat::ply : PointsFormat::mesh;
+  info.notes = std::move(mesh.notes);
+  if (!soup.triangles.empty())
+    info.notes.push_back(
+        fmt::format("{} triangles were left out: their vertices are the points", soup.triangles.size()));
+  std::string ignored;
+  for (const auto& scalar : soup.vertex_scalars) ignored += (ignored.empty() ? "" : ", ") + scalar.first;
+  if (!soup.vertex_colors.empty()) ignored += (ignored.empty() ? "" : ", ") + std::string("colours");
+  if (!ignored.empty()) info.notes.push_back("properties ignored: " + ignored);
+  return {std::move(soup.points), std::move(soup.vertex_normals)};
+}
+
+void check(const PointSet& set) {
+  if (!set.normals.empty() && set.normals.size() != set.points.size())
+    throw InvalidInput(fmt::format("{} normals for {} points", set.normals.size(), set.points.size()));
+  for (const auto* vectors : {&set.points, &set.normals})
+    for (std::size_t i = 0; i < vectors->size(); ++i)
+      for (int k = 0; k < 3; ++k)
+        if (!std::isfinite((*vectors)[i][k]))
+          throw InvalidInput(fmt::format("point {} or its normal is not finite", i));
+}
+
+void write_text(AtomicFile& file, const PointSet& set, char separator, Context& context) {
+  TextWriter out(file);
+  for (std::size_t i = 0; i < set.points.size(); ++i) {
+    if (i % checkpoint_interval == 0) {
+      context.checkpoint();
+      context.progress("write", static_cast<double>(i) / static_cast<double>(set.points.size()));
+    }
+    const Vec3& p = set.points[i];
+    out << p[0] << separator << p[1] << separator << p[2];
+    if (!set.normals.empty())
+      for (int k = 0; k < 3; ++k) out << separator << set.normals[i][k];
+    out << '\n';
+  }
+}
+
+}  // namespace
+
+PointSet parse_points(std::string_view bytes, const std::string& name, Context& context, PointsFileInfo* info) {
+  PointsFileInfo own;
+  PointsFileInfo& what = info ? *info : own;
+  what = {};
+  what.bytes = bytes.size();
+  if (bytes.empty()) throw IoError(name, "is empty");
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);  // the mark of UTF-8
+  const std::string extension = file_extension(name);
+  const bool ply = bytes.starts_with("ply") && bytes.size() > 3 && (bytes[3] == '\n' || bytes[3] == '\r');
+  PointSet set;
+  if (ply || extension == "ply" || extension == "stl" || extension == "obj" || extension == "off") {
+    set = from_mesh(bytes, name, context, what);
+  } else if (has_pcd_header(bytes) || extension == "pcd") {
+    set = parse_pcd(bytes, name, context, what);
+  } else {
+    refuse_other_kinds(bytes, name);
+    set = parse_points_text(bytes, name, context, what);
+  }
+  if (set.points.empty()) throw IoError(name, "holds no point");
+  for (const std::string& note : what.notes) context.log(name + ": " + note);
+  context.progress("read", 1);
+  return set;
+}
+
+PointSet read_points(const std::string& path, Context& context, PointsFileInfo* info) {
+  const InputFile file(path);
+  return parse_points(file.bytes(), file.name(), context, info);
+}
+
+void write_points(const std::string& path, const PointSet& set, Context& context) {
+  const std::string extension = file_extension(path);
+  const bool blanks = extension == "xyz" || extension == "txt" || extension == "asc";
+  if (!blanks && extension != "csv" && extension != "ply")
+    throw InvalidInput(
+        fmt::format("{}: points are written as .xyz, .txt, .asc, .csv or .ply, not \".{}\"", path, extension));
+  check(set);
+  if (extension == "ply") {
+    Soup soup;
+    soup.points = set.points;
+    soup.vertex_normals = set.normals;
+    write_mesh(path, soup, {}, context);
+    return;
+  }
+  AtomicFile file(path);
+  if (!blanks) file.write(set.normals.empty() ? "x,y,z\n" : "x,y,z,nx,ny,nz\n");
+  write_text(file, set, blanks ? ' ' : ',', context);
+  file.commit();
+  context.progress("write", 1);
+}
+
+}  // namespace tri

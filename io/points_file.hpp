@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "meshops/context.hpp"
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+/// Measured points in the order of their file.
+struct PointSet {
+  std::vector<Vec3> points;
+  /// As the file gives them, unit length where it says so; empty, or points.size() entries. (0,0,0) where a file says
+  /// NaN.
+  std::vector<Vec3> normals;
+};
+
+enum class PointsFormat { text, ply, pcd, mesh };
+
+/// What a file of points held, beside the points.
+struct PointsFileInfo {
+  PointsFormat format = PointsFormat::text;
+  std::uint64_t bytes = 0;  ///< size of the file
+  std::uint64_t points_skipped =
+      0;  ///< PCD only: points all of whose coordinates are NaN, which marks them as not measured
+  /// Header lines, ignored columns, how normals were recognised …: one sentence each.
+  std::vector<std::string> notes;
+};
+
+/// Reads points from text (XYZ, ASC, CSV, TXT …), PLY or PCD; the vertices of a mesh in STL, OBJ or OFF count as points
+/// too.
+///
+/// Text: one point a line, columns separated by blanks, tabs, commas or semicolons. A comma is the decimal point if
+/// columns are separated by semicolons or blanks and no full stop occurs. Lines before the first point that do not
+/// begin with a number are a header, as is a single integer (the number of points); blank lines and lines that begin
+/// with #, //, % or ! are skipped. Columns 1 to 3 are the point, unless a header line names as many columns as there
+/// are, x, y and z among them. Columns 4 to 6 are normals if the header says so (nx ny nz) or, without names, if they
+/// are unit vectors (to 0.002) on every line. Other columns are ignored; a note says so. Each line is read to the
+/// nearest double. Lines are parsed in parallel; the result does not depend on the number of threads. Memory: 24 bytes
+/// a point, 48 with normals, and the mapped file.
+///
+/// PCD: ASCII, binary and binary_compressed, version 0.7. Points whose coordinates are all NaN are skipped and counted.
+///
+/// @param path file name, or "-" for standard input
+/// @param info if given, receives what else is known about the file; `notes` also go to the context's log
+/// @throws IoError with line or byte offset: no points, a line without three numbers, a coordinate that is not finite,
+///         truncated, a kind of file that is not read. @throws Cancelled within some megabytes.
+PointSet read_points(const std::string& path, Context& context, PointsFileInfo* info = nullptr);
+
+/// As `read_points`, from bytes in memory. @param name used for messages and, by its extension, for the format.
+PointSet parse_points(std::string_view bytes, const std::string& name, Context& context,
+                      PointsFileInfo* info = nullptr);
+
+/// Writes points as the file name ends: .xyz, .txt or .asc (x y z, blanks), .csv (header and commas), .ply (binary
+/// doubles); with normals as columns 4 to 6 if there are any. Text holds the shortest decimals that read back as the
+/// same doubles.
+///
+/// The file appears whole or not at all. @throws InvalidInput for another extension, a coordinate that is not finite or
+/// a wrong number of normals. @throws IoError as `AtomicFile` does.
+void write_points(const std::string& path, const PointSet& set, Context& context);
+
+}  // namespace tri
