@@ -232,7 +232,7 @@ class Shader {
     Vec3 color = coloring_.at(sample, true);
     if (back) color = color == front_color ? back_color : color * 0.35 + back_color * 0.5;
     const Vec3 eye = camera_.toward_camera(soup_.points[soup_.triangles[sample.id][0]]);
-    const Vec3 light = (eye + camera_.upward() * 0.35 - camera_.right() * 0.25).normalized();
+    const Vec3 light = (eye + camera_.upward() * 0.25 - camera_.right() * 0.2).normalized();
     Vec3 normal = normal_at(sample);
     if (back) normal = -normal;
     const double facing = std::max(0.0, normal | light);
