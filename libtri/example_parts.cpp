@@ -19,7 +19,7 @@ struct Entry {
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> list = {
       {{"boot-lid",
-        "car boot lid, 1317 mm wide, 980 mm along its profile: 16 trimmed NURBS, number-plate recess, lock hole", 16, 1,
+        "car boot lid, 1300 mm wide, 980 mm along its profile: 16 trimmed NURBS, number-plate recess, lock hole", 16, 1,
         2, 0},
        parts::boot_lid},
       {{"blade", "fan blade, 40 x 120 mm, 0.6 to 2 mm thick, twisted, open at the root", 5, 1, 1, 1}, parts::blade},

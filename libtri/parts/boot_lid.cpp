@@ -66,9 +66,9 @@ TopoDS_Shape below_deck() {
   return behind(bicubic(
                     [](double s, double t) {
                       const double x = -760 + 1520 * s, y = -120 + 850 * t;
-                      const double lip = 1 / (1 + std::exp(-(y - 470) / 45));
+                      const double lip = 1 / (1 + std::exp(-(y - 480) / 40));
                       return gp_Pnt(x, y,
-                                    20 - 42 * std::pow(x / 650, 2) - 60 * std::pow((y - 180) / 560, 2) + 24 * lip);
+                                    20 - 42 * std::pow(x / 650, 2) - 60 * std::pow((y - 180) / 560, 2) + 40 * lip);
                     },
                     unweighted),
                 gp_Vec(0, 0, -1500));
@@ -86,13 +86,15 @@ Handle(Geom_BSplineSurface) rear_surface() {
 
 // `side` is -1 (left) or +1 (right). Weights vary along the car: a rational surface.
 TopoDS_Shape inside_of_side(double side) {
-  return behind(bicubic(
-                    [side](double s, double t) {
-                      const double y = -140 + 950 * s, z = -580 + 720 * t;
-                      return gp_Pnt(side * (638 - 30 * std::pow((y - 330) / 400, 2) - 0.07 * z), y, z);
-                    },
-                    [](double s, double t) { return 1 + 0.35 * s * (1 - s) + 0.2 * t; }),
-                gp_Vec(-side * 1500, 0, 0));
+  return behind(
+      bicubic(
+          [side](double s, double t) {
+            const double y = -140 + 950 * s, z = -580 + 720 * t;
+            return gp_Pnt(
+                side * (638 - 30 * std::pow((y - 330) / 400, 2) - 0.07 * z - 9 * std::pow((z + 200) / 250, 2)), y, z);
+          },
+          [](double s, double t) { return 1 + 0.35 * s * (1 - s) + 0.2 * t; }),
+      gp_Vec(-side * 1500, 0, 0));
 }
 
 // A wire of four sides in the plane y = const; the upper and lower ones are bowed upwards by `bow`.

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+/// Random numbers that are the same on every platform: SplitMix64 [Steele, Lea & Flood 2014], and only operations that
+/// IEEE 754 rounds correctly (the standard library's distributions and logarithms differ between platforms).
+///
+/// Streams with different `stream` or `substream` are independent, so that each point of a parallel loop has its own.
+class RandomStream {
+ public:
+  explicit RandomStream(std::uint64_t seed, std::uint64_t stream = 0, std::uint64_t substream = 0);
+
+  std::uint64_t bits();
+  /// In [0, 1), a multiple of 2^-53.
+  double uniform();
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  /// In [0, count); `count` > 0. The bias is below count / 2^64.
+  std::uint64_t below(std::uint64_t count);
+  /// Mean 0, standard deviation 1 [Marsaglia & Bray 1964].
+  double normal();
+  /// Uniform on the unit sphere [Marsaglia 1972].
+  Vec3 direction();
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace tri
