@@ -45,14 +45,15 @@ bool lowers_cost(const EditMesh& mesh, std::int32_t t, int k) {
 
 /// Flips every edge that `improves` until none is left; its measure must fall with each flip.
 template <class Improves>
-std::size_t flip_all(EditMesh& mesh, std::vector<std::int32_t> seeds, Improves improves) {
+std::size_t flip_all(EditMesh& mesh, std::vector<std::int32_t> seeds, const Context& context, Improves improves) {
   if (seeds.empty()) {
     seeds.reserve(mesh.triangles.size());
     for (std::size_t t = mesh.triangles.size(); t-- > 0;)
       if (mesh.alive(static_cast<std::int32_t>(t))) seeds.push_back(static_cast<std::int32_t>(t));
   }
   std::size_t flips = 0;
-  while (!seeds.empty()) {
+  for (std::size_t steps = 1; !seeds.empty(); ++steps) {
+    if (steps % 65536 == 0) context.checkpoint();
     const std::int32_t t = seeds.back();
     seeds.pop_back();
     if (!mesh.alive(t)) continue;
@@ -71,8 +72,8 @@ std::size_t flip_all(EditMesh& mesh, std::vector<std::int32_t> seeds, Improves i
 
 }  // namespace
 
-std::size_t delaunay_flips(EditMesh& mesh, std::vector<std::int32_t> seeds) {
-  return flip_all(mesh, std::move(seeds), lowers_harmonic_index);
+std::size_t delaunay_flips(EditMesh& mesh, std::vector<std::int32_t> seeds, const Context& context) {
+  return flip_all(mesh, std::move(seeds), context, lowers_harmonic_index);
 }
 
 void measure_vertex_areas(EditMesh& mesh) {
@@ -84,11 +85,11 @@ void measure_vertex_areas(EditMesh& mesh) {
   }
 }
 
-std::size_t cost_flips(EditMesh& mesh, std::vector<std::int32_t> seeds) {
-  return flip_all(mesh, std::move(seeds), lowers_cost);
+std::size_t cost_flips(EditMesh& mesh, std::vector<std::int32_t> seeds, const Context& context) {
+  return flip_all(mesh, std::move(seeds), context, lowers_cost);
 }
 
-std::size_t split_encroached_edges(EditMesh& mesh, std::vector<float>& shortest) {
+std::size_t split_encroached_edges(EditMesh& mesh, std::vector<float>& shortest, const Context& context) {
   std::size_t splits = 0;
   std::vector<std::int32_t> queue;
   const auto fixed = [&](std::int32_t t, int k) { return mesh.neighbors[t][k] < 0 || (mesh.creases[t] >> k & 1); };
@@ -119,7 +120,7 @@ std::size_t split_encroached_edges(EditMesh& mesh, std::vector<float>& shortest)
       EditMesh::Star star;
       mesh.star(m, star, 8);
       touched = star.fan;
-      delaunay_flips(mesh, touched);
+      delaunay_flips(mesh, touched, context);
       // Flips move triangles about: look at every triangle around the two halves again.
       for (std::uint32_t v : {m, b, c}) {
         if (mesh.star(v, star, 256)) queue.insert(queue.end(), star.fan.begin(), star.fan.end());

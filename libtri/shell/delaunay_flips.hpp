@@ -15,20 +15,21 @@ namespace tri {
 /// model's normals or doubles an edge.
 /// @param seeds  triangles whose edges are looked at first; all triangles if empty
 /// @return number of flips
-std::size_t delaunay_flips(EditMesh& mesh, std::vector<std::int32_t> seeds);
+/// @throws Cancelled with some flips done; the mesh is valid
+std::size_t delaunay_flips(EditMesh& mesh, std::vector<std::int32_t> seeds, const Context& context);
 
 /// Sets `Vertex::area` to a third of the triangles around it.
 void measure_vertex_areas(EditMesh& mesh);
 
 /// Flips edges while that lowers the sum of `TriangleCost`, which ends because the sum falls with every flip.
 /// @return number of flips
-std::size_t cost_flips(EditMesh& mesh, std::vector<std::int32_t> seeds);
+std::size_t cost_flips(EditMesh& mesh, std::vector<std::int32_t> seeds, const Context& context);
 
 /// Splits sharp and free edges of the model until none is encroached: no opposite corner sees an edge under an obtuse angle
 /// [Ruppert 1995], or the edge is shorter than `shortest`. New vertices belong to the model, not to the points.
 ///
 /// @param shortest  mm, per vertex: edges whose shorter end value is above their length stay
 /// @return number of splits
-std::size_t split_encroached_edges(EditMesh& mesh, std::vector<float>& shortest);
+std::size_t split_encroached_edges(EditMesh& mesh, std::vector<float>& shortest, const Context& context);
 
 }  // namespace tri

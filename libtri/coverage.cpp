@@ -1,0 +1,328 @@
+#include "libtri/coverage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <unordered_map>
+
+#include "libtri/disjoint_sets.hpp"
+#include "meshops/nearest_points.hpp"
+
+namespace tri {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+struct Shape3 {
+  double circumradius = 0, longest = 0, shortest = 0;
+};
+
+Shape3 shape_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm();
+  const double twice_area = ((b - a) % (c - a)).norm();
+  Shape3 s;
+  s.longest = std::max({ab, bc, ca});
+  s.shortest = std::min({ab, bc, ca});
+  // A needle's circumcircle says nothing about the points around it.
+  s.circumradius = std::min(twice_area > 0 ? ab * bc * ca / (2 * twice_area) : infinity, s.longest);
+  return s;
+}
+
+/// Triangles around each vertex, as one array with offsets.
+struct Stars {
+  std::vector<std::uint32_t> start, items;
+  Stars(const std::vector<Triangle>& triangles, std::size_t vertices) : start(vertices + 1, 0), items(3 * triangles.size()) {
+    for (const Triangle& t : triangles)
+      for (std::uint32_t v : t) ++start[v + 1];
+    for (std::size_t v = 0; v < vertices; ++v) start[v + 1] += start[v];
+    std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
+    for (std::uint32_t t = 0; t < triangles.size(); ++t)
+      for (std::uint32_t v : triangles[t]) items[fill[v]++] = t;
+  }
+  std::span<const std::uint32_t> of(std::uint32_t v) const { return {items.data() + start[v], items.data() + start[v + 1]}; }
+};
+
+double lower_median(std::vector<double>& x) {
+  const auto middle = x.begin() + static_cast<std::ptrdiff_t>((x.size() - 1) / 2);
+  std::nth_element(x.begin(), middle, x.end());
+  return *middle;
+}
+
+std::vector<double> spacing_from(const PointMesh& mesh, const Stars& stars, std::span<const Vec3> places) {
+  // Between scan lines the circle through three points spans the distance of the lines; on scattered points it is smaller
+  // than the spacing, by 0.6 in the median of a Poisson process.
+  constexpr double scattered = 1.5, lines = 2.0, elongated = 0.3;
+  std::vector<double> first(places.size(), 0), result(places.size(), 0), radii, ratios;
+  for (std::uint32_t v = 0; v < places.size(); ++v) {
+    radii.clear(), ratios.clear();
+    for (std::uint32_t t : stars.of(v)) {
+      const Triangle& q = mesh.triangles[t];
+      const Shape3 s = shape_of(places[q[0]], places[q[1]], places[q[2]]);
+      radii.push_back(s.circumradius);
+      ratios.push_back(s.circumradius > 0 ? s.shortest / s.circumradius : 1);
+    }
+    if (radii.empty()) continue;
+    first[v] = lower_median(radii) * (lower_median(ratios) < elongated ? lines : scattered);
+  }
+  for (std::uint32_t v = 0; v < places.size(); ++v) {
+    radii.clear();
+    for (std::uint32_t t : stars.of(v))
+      for (std::uint32_t w : mesh.triangles[t]) radii.push_back(first[w]);
+    if (!radii.empty()) result[v] = lower_median(radii);
+  }
+  return result;
+}
+
+/// A place on the model and how far it is to the nearest point or free edge.
+struct Disc {
+  Vec3 center{0, 0, 0};
+  std::array<float, 3> normal{};
+  double radius = 0, spacing = 0;
+  std::uint32_t triangle = 0;
+  std::int32_t face = -1;
+};
+
+bool same_side(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > 0.3f;
+}
+
+/// Distance from places on the model to the nearest measured point on the same side of the wall, and to free edges.
+class EmptyDiscs {
+ public:
+  EmptyDiscs(const CadModel& model, std::span<const Foot> feet, double step) : feet_(feet) {
+    for (std::uint32_t i = 0; i < feet.size(); ++i)
+      if (feet[i].face >= 0) places_.push_back(feet[i].point), index_.push_back(i);
+    for (const CadEdge& edge : model.edges)
+      if (edge.faces.size() == 1 && !edge.degenerate)
+        for (std::size_t k = 0; k + 1 < edge.polyline.size(); ++k) {
+          const Vec3 d = edge.polyline[k + 1] - edge.polyline[k];
+          const int n = std::clamp(static_cast<int>(std::ceil(d.norm() / step)), 1, 10000);
+          for (int i = 0; i <= n; ++i) rim_.push_back(edge.polyline[k] + d * (static_cast<double>(i) / n));
+        }
+    points_.emplace(places_);
+    if (!rim_.empty()) rim_tree_.emplace(rim_);
+  }
+
+  double radius(const Foot& at) {
+    double nearest = infinity;
+    for (std::size_t k = 8;; k *= 8) {
+      points_->nearest(at.point, k, found_);
+      for (const auto& n : found_)
+        if (same_side(feet_[index_[n.index]].normal, at.normal)) {
+          nearest = std::sqrt(n.squared_distance);
+          break;
+        }
+      if (nearest < infinity || found_.size() < k || k > 4096) break;
+    }
+    if (nearest == infinity && !found_.empty()) nearest = std::sqrt(found_.back().squared_distance);
+    if (rim_tree_) {
+      rim_tree_->nearest(at.point, 1, found_);
+      nearest = std::min(nearest, std::sqrt(found_[0].squared_distance));
+    }
+    return nearest;
+  }
+
+ private:
+  std::span<const Foot> feet_;
+  std::vector<Vec3> places_, rim_;
+  std::vector<std::uint32_t> index_;  // of the point at each place
+  std::optional<NearestPoints> points_, rim_tree_;
+  std::vector<NearestPoints::Neighbor> found_;
+};
+
+/// Closes triangles again until the open ones leave no vertex without a triangle and no vertex with two fans.
+void keep_manifold(const PointMesh& mesh, const Stars& stars, std::vector<bool>& open, const std::vector<float>& size) {
+  std::set<std::uint32_t> work;
+  for (std::uint32_t t = 0; t < open.size(); ++t)
+    if (open[t]) work.insert(mesh.triangles[t].begin(), mesh.triangles[t].end());
+  const auto corner = [&](std::uint32_t t, std::uint32_t v) {
+    const Triangle& q = mesh.triangles[t];
+    return q[0] == v ? 0 : q[1] == v ? 1 : 2;
+  };
+  while (!work.empty()) {
+    const std::uint32_t v = *work.begin();
+    work.erase(work.begin());
+    // The fan in order, beginning at the boundary if there is one.
+    const auto star = stars.of(v);
+    std::uint32_t first = star[0];
+    for (std::size_t steps = 0; steps < star.size(); ++steps) {
+      const std::int32_t previous = mesh.neighbors[first][(corner(first, v) + 2) % 3];
+      if (previous < 0) break;
+      first = static_cast<std::uint32_t>(previous);
+    }
+    std::vector<std::uint32_t> fan{first};
+    bool closed = false;
+    while (true) {
+      const std::int32_t next = mesh.neighbors[fan.back()][(corner(fan.back(), v) + 1) % 3];
+      closed = next == static_cast<std::int32_t>(first);
+      if (next < 0 || closed || fan.size() > star.size()) break;
+      fan.push_back(static_cast<std::uint32_t>(next));
+    }
+    if (closed) {  // begin at the first triangle of a run
+      std::size_t turn = 0;
+      while (turn < fan.size() && !(open[fan[turn]] != open[fan[(turn + fan.size() - 1) % fan.size()]])) ++turn;
+      if (turn < fan.size()) std::rotate(fan.begin(), fan.begin() + static_cast<std::ptrdiff_t>(turn), fan.end());
+    }
+    struct Run {
+      std::size_t begin, end;
+      float size;
+    };
+    std::vector<Run> open_runs;
+    std::size_t kept_runs = 0;
+    for (std::size_t i = 0; i < fan.size();) {
+      std::size_t j = i;
+      float largest = 0;
+      while (j < fan.size() && open[fan[j]] == open[fan[i]]) largest = std::max(largest, size[fan[j++]]);
+      if (open[fan[i]]) {
+        open_runs.push_back({i, j, largest});
+      } else {
+        ++kept_runs;
+      }
+      i = j;
+    }
+    const auto close = [&](std::uint32_t t) {
+      open[t] = false;
+      work.insert(mesh.triangles[t].begin(), mesh.triangles[t].end());
+    };
+    if (kept_runs == 0) {
+      close(*std::min_element(fan.begin(), fan.end(), [&](std::uint32_t a, std::uint32_t b) { return size[a] < size[b]; }));
+    } else if (kept_runs > 1) {
+      // Two fans of kept triangles: the smallest run between two of them is closed.
+      const Run* smallest = nullptr;
+      for (const Run& run : open_runs) {
+        const bool at_end = !closed && (run.begin == 0 || run.end == fan.size());
+        if (!at_end && (!smallest || run.size < smallest->size)) smallest = &run;
+      }
+      if (smallest)
+        for (std::size_t i = smallest->begin; i < smallest->end; ++i) close(fan[i]);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<double> point_spacing(const PointMesh& mesh, std::span<const Vec3> places) {
+  return spacing_from(mesh, Stars(mesh.triangles, places.size()), places);
+}
+
+Coverage find_unmeasured(const CadModel& model, const Registration& registration, const PointMesh& mesh, std::span<const Foot> feet,
+                         double hole_size, Context& context) {
+  Coverage result;
+  if (mesh.triangles.empty()) return result;
+  std::vector<Vec3> places;
+  for (const Foot& f : feet) places.push_back(f.point);
+  const Stars stars(mesh.triangles, places.size());
+  const std::vector<double> spacing = spacing_from(mesh, stars, places);
+  const auto triangle_spacing = [&](const Triangle& q) { return std::max({spacing[q[0]], spacing[q[1]], spacing[q[2]]}); };
+
+  // Only a triangle with a large circumcircle can hold the middle of a large empty disc: probe those.
+  std::vector<Vec3> probes;
+  std::vector<std::uint32_t> probe_triangle;
+  double smallest_spacing = infinity;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& q = mesh.triangles[t];
+    const Vec3 &a = places[q[0]], &b = places[q[1]], &c = places[q[2]];
+    const Shape3 s = shape_of(a, b, c);
+    const double h = triangle_spacing(q);
+    if (h > 0) smallest_spacing = std::min(smallest_spacing, h);
+    if (s.circumradius < 0.9 * hole_size * h) continue;
+    const int n = std::clamp(static_cast<int>(std::ceil(s.longest / std::max(h, 1e-300))), 3, 24);
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        probes.push_back((a * i + b * j + c * (n - i - j)) / n);
+        probe_triangle.push_back(t);
+      }
+  }
+  context.checkpoint();
+  if (probes.empty()) return result;
+  const std::vector<Foot> probe_feet = registration.register_points(probes, context);
+  EmptyDiscs empty(model, feet, smallest_spacing);
+  std::vector<Disc> discs;
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const Foot& foot = probe_feet[i];
+    if (foot.face < 0) continue;
+    const double h = triangle_spacing(mesh.triangles[probe_triangle[i]]);
+    const double radius = empty.radius(foot);
+    if (radius > hole_size * h) discs.push_back({foot.point, foot.normal, radius, h, probe_triangle[i], foot.face});
+  }
+  if (discs.empty()) return result;
+  context.checkpoint();
+
+  // Open: every triangle with such a place inside, and those whose middle lies in one of the discs.
+  std::vector<bool> open(mesh.triangles.size(), false);
+  for (const Disc& d : discs) open[d.triangle] = true;
+  std::vector<Vec3> centers;
+  double widest = 0;
+  for (const Disc& d : discs) centers.push_back(d.center), widest = std::max(widest, d.radius);
+  const NearestPoints center_tree(centers);
+  std::vector<Vec3> middles;
+  std::vector<std::uint32_t> middle_triangle;
+  std::vector<NearestPoints::Neighbor> near;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& q = mesh.triangles[t];
+    if (open[t] || shape_of(places[q[0]], places[q[1]], places[q[2]]).longest < triangle_spacing(q)) continue;
+    const Vec3 middle = (places[q[0]] + places[q[1]] + places[q[2]]) / 3;
+    center_tree.nearest(middle, 1, near);
+    if (near[0].squared_distance > widest * widest) continue;
+    middles.push_back(middle);
+    middle_triangle.push_back(t);
+  }
+  const std::vector<Foot> middle_feet = registration.register_points(middles, context);
+  for (std::size_t i = 0; i < middles.size(); ++i) {
+    center_tree.within(middle_feet[i].point, widest, near);
+    for (const auto& n : near) {
+      const Disc& d = discs[n.index];
+      if (n.squared_distance < 0.9 * d.radius * d.radius && same_side(d.normal, middle_feet[i].normal)) open[middle_triangle[i]] = true;
+    }
+  }
+  std::vector<float> size(mesh.triangles.size(), 0);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (open[t]) {
+      const Triangle& q = mesh.triangles[t];
+      size[t] = static_cast<float>(shape_of(places[q[0]], places[q[1]], places[q[2]]).circumradius);
+    }
+  keep_manifold(mesh, stars, open, size);
+
+  DisjointSets connected(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (open[t]) {
+      result.open_triangles.push_back(t);
+      for (std::int32_t n : mesh.neighbors[t])
+        if (n >= 0 && open[n]) connected.join(t, static_cast<std::uint32_t>(n));
+    }
+  std::unordered_map<std::size_t, std::size_t> region_of;
+  std::vector<std::set<int>> faces;
+  for (const Disc& d : discs) {
+    if (!open[d.triangle]) continue;
+    const auto [it, fresh] = region_of.emplace(connected.find(d.triangle), result.regions.size());
+    if (fresh) result.regions.emplace_back(), faces.emplace_back();
+    UnmeasuredRegion& region = result.regions[it->second];
+    faces[it->second].insert(model.faces[d.face].index);
+    if (d.radius > region.radius) region.center = d.center, region.radius = d.radius, region.spacing = d.spacing;
+  }
+  for (std::size_t i = 0; i < faces.size(); ++i) result.regions[i].faces.assign(faces[i].begin(), faces[i].end());
+  std::stable_sort(result.regions.begin(), result.regions.end(),
+                   [](const UnmeasuredRegion& a, const UnmeasuredRegion& b) { return a.radius > b.radius; });
+  return result;
+}
+
+void drop_triangles(PointMesh& mesh, std::span<const std::uint32_t> drop) {
+  std::vector<std::int32_t> renumbered(mesh.triangles.size(), 0);
+  for (std::uint32_t t : drop) renumbered[t] = -1;
+  std::int32_t next = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (renumbered[t] < 0) continue;
+    renumbered[t] = next;
+    mesh.triangles[next] = mesh.triangles[t];
+    mesh.neighbors[next] = mesh.neighbors[t];
+    ++next;
+  }
+  mesh.triangles.resize(static_cast<std::size_t>(next));
+  mesh.neighbors.resize(static_cast<std::size_t>(next));
+  for (auto& row : mesh.neighbors)
+    for (std::int32_t& n : row)
+      if (n >= 0) n = renumbered[n];
+}
+
+}  // namespace tri

@@ -1,0 +1,171 @@
+#include "libtri/triangulate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "libtri/coverage.hpp"
+#include "libtri/point_classes.hpp"
+#include "libtri/point_mesh.hpp"
+#include "libtri/registration.hpp"
+#include "libtri/shell/connect.hpp"
+#include "libtri/triangulation_checks.hpp"
+#include "meshops/build_mesh.hpp"
+#include "meshops/error.hpp"
+
+namespace tri {
+namespace {
+
+/// Chord height of the tessellation as a share of the diagonal; the result hardly depends on it.
+constexpr double deflection_share = 1e-3;
+constexpr double deflection_angle = 0.35;  // radians
+constexpr double farthest_share = 0.05;    // of the diagonal: beyond it the points do not belong to the model
+
+/// Notes the time of each step of a triangulation.
+class Stopwatch {
+ public:
+  explicit Stopwatch(TriangulateResult& result) : result_(result) {}
+  void lap(const char* step) {
+    const auto now = std::chrono::steady_clock::now();
+    result_.seconds.emplace_back(step, std::chrono::duration<double>(now - start_).count());
+    start_ = now;
+  }
+
+ private:
+  TriangulateResult& result_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void validate(std::span<const Vec3> points, const TriangulateOptions& options) {
+  if (!(options.hole_size > 0)) throw InvalidInput(fmt::format("hole-size is {}, must be above 0", options.hole_size));
+  if (options.outlier_distance && !(*options.outlier_distance > 0))
+    throw InvalidInput(fmt::format("outlier-distance is {}, must be above 0", *options.outlier_distance));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!std::isfinite(points[i][0]) || !std::isfinite(points[i][1]) || !std::isfinite(points[i][2]))
+      throw InvalidInput(fmt::format("point {} has a coordinate that is not finite", i));
+}
+
+void check_distance(std::span<const Foot> feet, double diagonal) {
+  const double usual = robust_sigma(feet) / 1.4826;
+  if (usual <= farthest_share * diagonal) return;
+  throw InvalidInput(
+      fmt::format("the points do not lie on the model: their median distance is {:.6g} mm, the model's diagonal {:.6g} mm; check the "
+                  "units and the alignment of the points",
+                  usual, diagonal));
+}
+
+/// Leaves a point out of everything that follows.
+void leave_out(std::vector<Foot>& feet, std::span<const std::uint32_t> indices) {
+  for (std::uint32_t i : indices) feet[i].face = -1;
+}
+
+Mesh to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& connected, Context& context) {
+  std::vector<std::int32_t> vertex_of(points.size(), -1);
+  for (const Triangle& t : connected.triangles)
+    for (std::uint32_t p : t) vertex_of[p] = 0;
+  std::vector<std::uint32_t> point_of;
+  std::vector<Vec3> positions;
+  for (std::uint32_t p = 0; p < points.size(); ++p)
+    if (vertex_of[p] == 0) {
+      vertex_of[p] = static_cast<std::int32_t>(point_of.size());
+      point_of.push_back(p);
+      positions.push_back(points[p]);
+    }
+  std::vector<Triangle> triangles(connected.triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) triangles[t][k] = static_cast<std::uint32_t>(vertex_of[connected.triangles[t][k]]);
+  Mesh mesh = std::move(build_mesh(positions, triangles, connected.neighbors, context).mesh);
+
+  OpenMesh::VPropHandleT<int> point_index, cad_face;
+  OpenMesh::VPropHandleT<Vec2> uv;
+  OpenMesh::VPropHandleT<double> deviation;
+  mesh.add_property(point_index, property::point_index);
+  mesh.add_property(cad_face, property::cad_face);
+  mesh.add_property(uv, property::uv);
+  mesh.add_property(deviation, property::deviation);
+  for (std::size_t v = 0; v < point_of.size(); ++v) {
+    const VertexHandle handle(static_cast<int>(v));
+    const Foot& foot = feet[point_of[v]];
+    mesh.property(point_index, handle) = static_cast<int>(point_of[v]);
+    mesh.property(cad_face, handle) = model.faces[foot.face].index;
+    mesh.property(uv, handle) = foot.uv;
+    mesh.property(deviation, handle) = foot.deviation;
+  }
+  return mesh;
+}
+
+void describe_coverage(const CadModel& model, std::span<const Foot> feet, TriangulateResult& result) {
+  for (const CadFace& face : model.faces) result.faces.push_back({face.index, face.name, 0, face.area, "shell"});
+  for (const Foot& foot : feet)
+    if (foot.face >= 0) ++result.faces[foot.face].points;
+  for (const FaceCoverage& face : result.faces)
+    if (face.points == 0) result.unmeasured_faces.push_back(face.face);
+}
+
+void note_checks(const ShellConnection& shell, TriangulateResult& result) {
+  const TriangulationChecks& c = result.checks;
+  const auto text = [](const SurfaceTopology& t) { return fmt::format("{} / {} / {}", t.components, t.loops, t.euler); };
+  if (!(c.mesh == c.model))
+    result.notes.push_back(fmt::format("topology differs from the model's: components / boundary loops / Euler characteristic are {}, the model's {}",
+                                       text(c.mesh), text(c.model)));
+  if (shell.lost_shells > 0)
+    result.notes.push_back(fmt::format("{} connected parts of the model got no point and are not in the mesh", shell.lost_shells));
+  if (shell.open_stars > 0)
+    result.notes.push_back(fmt::format("{} places have too few points around them to keep the model's topology and were left open", shell.open_stars));
+  if (c.self_intersections > 0) result.notes.push_back(fmt::format("{} pairs of triangles cross each other", c.self_intersections));
+  if (c.folds > 0) result.notes.push_back(fmt::format("{} edges are folded by more than 150 degrees", c.folds));
+  if (c.turned > 0) result.notes.push_back(fmt::format("{} triangles face against the model", c.turned));
+  if (c.unused_points > 0) result.notes.push_back(fmt::format("{} points could not be connected", c.unused_points));
+}
+
+}  // namespace
+
+TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> points, const TriangulateOptions& options,
+                              Context& context) {
+  validate(points, options);
+  TriangulateResult result;
+  Stopwatch watch(result);
+
+  const Registration registration(model);
+  std::vector<Foot> feet = registration.register_points(points, context);
+  watch.lap("register");
+
+  result.duplicates = find_duplicates(points);
+  leave_out(feet, result.duplicates);
+  if (points.size() - result.duplicates.size() < 3)
+    throw InvalidInput(fmt::format("{} distinct points are too few: three make a triangle", points.size() - result.duplicates.size()));
+  check_distance(feet, model.diagonal);
+  result.sigma = robust_sigma(feet);
+  result.outliers = find_outliers(feet, model.diagonal, options.outlier_distance);
+  leave_out(feet, result.outliers);
+  describe_coverage(model, feet, result);
+  watch.lap("classify points");
+
+  const Tessellation tessellation = tessellate(model, deflection_share * model.diagonal, deflection_angle, context);
+  watch.lap("tessellate model");
+  ShellConnection shell = connect_by_shell(model, tessellation, feet, context);
+  watch.lap("connect");
+
+  result.checks = check_triangulation(points, feet, shell.mesh, context);
+  result.checks.model = topology(tessellation.triangles, tessellation.neighbors);
+  result.checks.mesh = topology(shell.mesh.triangles, shell.mesh.neighbors);
+  watch.lap("check");
+
+  if (options.unmeasured == Unmeasured::hole) {
+    Coverage coverage = find_unmeasured(model, registration, shell.mesh, feet, options.hole_size, context);
+    drop_triangles(shell.mesh, coverage.open_triangles);
+    result.holes = std::move(coverage.regions);
+  }
+  watch.lap("unmeasured regions");
+
+  result.method = Method::shell;
+  result.method_reason = "the model's own triangulation keeps its topology on every face";
+  result.mesh = to_mesh(model, points, feet, shell.mesh, context);
+  note_checks(shell, result);
+  watch.lap("build mesh");
+  return result;
+}
+
+}  // namespace tri

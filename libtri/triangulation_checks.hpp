@@ -1,0 +1,18 @@
+#pragma once
+
+#include <span>
+
+#include "libtri/point_mesh.hpp"
+#include "libtri/registration.hpp"
+#include "libtri/triangulate.hpp"
+#include "meshops/context.hpp"
+
+namespace tri {
+
+/// Counts what is wrong with a connected mesh at the measured positions: self-intersections, folds, triangles that face against
+/// the model's normals (by more than 120 degrees), registered points that are no vertex. Leaves the topologies unset.
+/// @throws Cancelled
+TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& mesh,
+                                        const Context& context);
+
+}  // namespace tri

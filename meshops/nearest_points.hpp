@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+/// A k-d tree over points: who is nearest. Built once, queried from any thread.
+class NearestPoints {
+ public:
+  struct Neighbor {
+    std::uint32_t index = 0;
+    double squared_distance = 0;
+  };
+
+  /// @param points  finite; must outlive this object
+  explicit NearestPoints(std::span<const Vec3> points);
+  ~NearestPoints();
+  NearestPoints(NearestPoints&&) noexcept;
+
+  /// The `k` nearest points of `place` (all, if there are fewer), nearest first; `out` is overwritten.
+  void nearest(const Vec3& place, std::size_t k, std::vector<Neighbor>& out) const;
+
+  /// Every point within `radius` of `place`, in no order; `out` is overwritten.
+  void within(const Vec3& place, double radius, std::vector<Neighbor>& out) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tri
