@@ -35,13 +35,20 @@ std::string kind_of(const std::string& path) {
   throw UsageError(fmt::format("\"{}\": the name does not say what it holds; add --as mesh, points or cad", path));
 }
 
+Info surface_info(const Arguments& a, Context& context) {
+  if (a.kind == "points") return points_info(a.input, context);
+  Info info = mesh_info(a.input, context);
+  // A PLY without faces holds points, unless the user says otherwise.
+  if (a.kind == "auto" && info.json["triangles"] == 0 && info.json["format"] == "PLY") return points_info(a.input, context);
+  return info;
+}
+
 int run(const Arguments& a, Program& program) {
   Context& context = program.context;
 #ifdef TRI_WITH_CAD
-  const Info info = a.kind == "cad"      ? cad_info(a.input, a.sew, context)
-                    : mesh_info(a.input, context);
+  const Info info = a.kind == "cad" ? cad_info(a.input, a.sew, context) : surface_info(a, context);
 #else
-  const Info info = mesh_info(a.input, context);
+  const Info info = surface_info(a, context);
 #endif
   if (a.json) {
     print_result(info.json);
@@ -82,7 +89,7 @@ void add_info_command(CLI::App& app, Program& program) {
       "  tri info lid.igs\n"
       "  tri info scan.xyz --json");
   command->callback([a, &program] {
-    if (a->kind == "auto") a->kind = kind_of(a->input);
+    if (a->kind == "auto" && kind_of(a->input) != "mesh") a->kind = kind_of(a->input);
 #ifndef TRI_WITH_CAD
     if (a->kind == "cad") throw UsageError("this program was built without CAD files");
 #endif

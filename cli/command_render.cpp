@@ -25,7 +25,7 @@ void parse_size(const std::string& text, RenderOptions& options) {
   if (std::sscanf(text.c_str(), "%6dx%6d%n", &options.width, &options.height, &used) != 2 || used != int(text.size()))
     throw UsageError(fmt::format("--size \"{}\" is not WIDTHxHEIGHT, say 1200x900", text));
   for (const int length : {options.width, options.height})
-    if (length < 1 || length > 16384) throw UsageError(fmt::format("--size {}: 1 to 16384 pixels each way", text));
+    if (length < 1 || length > 8192) throw UsageError(fmt::format("--size {}: 1 to 8192 pixels each way", text));
 }
 
 std::string legend(const Rendering& r, const std::string& by) {
@@ -48,7 +48,10 @@ int run(const Arguments& arguments, Program& program) {
   check_output(arguments.output);
   Context& context = program.context;
   const Soup soup = read_mesh(arguments.input, context);
-  const Rendering r = render(soup, arguments.options, context);
+  const std::string& by = arguments.options.by;
+  const bool known = by.empty() || by == "none" || soup.vertex_scalars.contains(by) || soup.face_scalars.contains(by);
+  const auto draw = [&] { return render(soup, arguments.options, context); };
+  const Rendering r = known ? draw() : usage(draw);
   write_png(arguments.output, r.picture);
   if (arguments.json) {
     print_result(nlohmann::ordered_json{{"picture", arguments.output},

@@ -20,12 +20,7 @@ std::vector<std::string> without_steps(std::vector<std::string> words, Program& 
   if (first == words.end()) return words;
   program.has_steps = true;
   const auto last = std::find(words.rbegin(), words.rend(), "!").base() - 1;
-  for (auto word = first; word != last; ++word) {
-    if (*word == "!")
-      program.steps.emplace_back();
-    else
-      program.steps.back().push_back(*word);
-  }
+  if (first != last) program.steps.assign(first + 1, last);
   words.erase(first, last + 1);
   return words;
 }
@@ -111,8 +106,9 @@ int main(int argc, char** argv) {
 #ifdef TRI_WITH_CAD
   add_model_command(app, program);
 #endif
-  add_render_command(app, program);
   add_info_command(app, program);
+  add_run_command(app, program);
   add_ops_command(app, program);
+  add_render_command(app, program);
   return run_program(app, program, {argv + 1, argv + argc});
 }

@@ -32,8 +32,8 @@ struct Program {
   bool quiet = false;
   /// The command that was chosen; returns the exit code. Set while the command line is parsed, run afterwards.
   std::function<int()> action;
-  /// Words between the first and the last "!" of the command line, cut at each "!".
-  std::vector<std::vector<std::string>> steps;
+  /// Words between the first and the last "!" of the command line, further "!" included.
+  std::vector<std::string> steps;
   /// True if the command line had a "!".
   bool has_steps = false;
 };

@@ -41,8 +41,8 @@ void check(const RenderOptions& options) {
       throw InvalidInput(std::string(name) + " is " + std::to_string(value) + "; allowed are " + std::to_string(low) + " to " +
                          std::to_string(high));
   };
-  in_range("width", options.width, 1, 16384);
-  in_range("height", options.height, 1, 16384);
+  in_range("width", options.width, 1, 8192);
+  in_range("height", options.height, 1, 8192);
   in_range("zoom", options.zoom, 1e-3, 1e6);
   if (options.range && !(*options.range > 0 && std::isfinite(*options.range)))
     throw InvalidInput("range is " + std::to_string(*options.range) + "; it must be above 0");

@@ -22,8 +22,8 @@ enum class Palette {
 
 /// How a mesh is looked at and coloured.
 struct RenderOptions {
-  int width = 1200;              ///< pixels, 1 to 16384
-  int height = 900;              ///< pixels, 1 to 16384
+  int width = 1200;              ///< pixels, 1 to 8192
+  int height = 900;              ///< pixels, 1 to 8192
   Vec3 view{-0.55, -1.0, 0.7};   ///< direction from the part to the camera, any length but zero
   Vec3 up{0, 0, 1};              ///< what points upward in the picture; replaced by y where it is parallel to `view`
   bool perspective = false;      ///< else orthographic
