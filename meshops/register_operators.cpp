@@ -3,6 +3,7 @@
 #include "meshops/operators/extract_boundaries.hpp"
 #include "meshops/operators/fill_holes.hpp"
 #include "meshops/operators/remove_redundant.hpp"
+#include "meshops/operators/flip_diagonals.hpp"
 #include "meshops/registry.hpp"
 
 namespace tri {
@@ -16,6 +17,7 @@ void register_operators(Registry& registry) {
                {.keeps_handles = false});
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
   registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
+  registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");
   registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
                {.idempotent = false});
 }

@@ -1,0 +1,332 @@
+// What every registered mesh operator owes, whatever it does: run over the registry, so that a new operator is held to
+// it by its registration alone. Promises that an operator does not make are stated at its registration (`Promises`).
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "mesh_check.hpp"
+#include "meshops/error.hpp"
+#include "meshops/registry.hpp"
+#include "test_shapes.hpp"
+
+using namespace tri;
+using namespace tri::test;
+
+namespace {
+
+std::vector<const Operator*> mesh_operators() {
+  std::vector<const Operator*> result;
+  for (const auto& op : Registry::standard().operators())
+    if (op->domain() == Domain::mesh && op->result() == Domain::mesh) result.push_back(op.get());
+  return result;
+}
+
+/// Inputs on which most operators find something to do.
+std::vector<std::pair<std::string, Mesh>> inputs() {
+  std::vector<std::pair<std::string, Mesh>> result;
+  result.emplace_back("icosahedron", icosahedron());
+  result.emplace_back("bumpy grid", bumpy_grid(9, 8));
+  result.emplace_back("two components", two_components());
+  Mesh holes = bumpy_grid(12, 12);
+  for (const int f : {60, 61, 63, 150, 151, 200}) holes.delete_face(FaceHandle(f), true);
+  result.emplace_back("grid with holes, elements deleted", holes);
+  result.emplace_back("two rims", tube(12, 4, 1, 0, 2).mesh());
+  Mesh gap = bumpy_grid(6, 20);  // two sheets with a ragged gap between them
+  for (int f = 120; f < 132; ++f) gap.delete_face(FaceHandle(f), true);
+  result.emplace_back("gap", gap);
+  return result;
+}
+
+Report run(const Operator& op, MeshView view, Context& context) {
+  const std::shared_ptr<void> options = op.schema().make();
+  return op.run(view, options.get(), context);
+}
+
+/// The counts and lists of two reports are equal; time aside.
+bool same(const Report& a, const Report& b) {
+  return a.vertices_added == b.vertices_added && a.vertices_removed == b.vertices_removed &&
+         a.vertices_moved == b.vertices_moved && a.faces_added == b.faces_added && a.faces_removed == b.faces_removed &&
+         a.edges_flipped == b.edges_flipped && a.skipped == b.skipped && a.figures == b.figures && a.notes == b.notes &&
+         a.touched_vertices == b.touched_vertices && a.touched_faces == b.touched_faces;
+}
+
+int alive_faces(const OpenMesh::TriConnectivity& mesh) {
+  int faces = 0;
+  for (std::size_t i = 0; i < mesh.n_faces(); ++i) faces += !mesh.status(FaceHandle(static_cast<int>(i))).deleted();
+  return faces;
+}
+int alive_vertices(const OpenMesh::TriConnectivity& mesh) {
+  int vertices = 0;
+  for (std::size_t i = 0; i < mesh.n_vertices(); ++i)
+    vertices += !mesh.status(VertexHandle(static_cast<int>(i))).deleted();
+  return vertices;
+}
+
+/// Calls `check` for every operator on every input, with both named.
+void for_all(const std::function<void(const Operator&, const Mesh&)>& check) {
+  for (const Operator* op : mesh_operators()) {
+    CAPTURE(op->name());
+    for (const auto& [name, mesh] : inputs()) {
+      CAPTURE(name);
+      check(*op, mesh);
+    }
+  }
+}
+
+/// An editor's kernel: float points, no status of its own, properties and attributes of its own.
+struct EditorTraits : OpenMesh::DefaultTraits {
+  VertexAttributes(OpenMesh::Attributes::Normal | OpenMesh::Attributes::Color | OpenMesh::Attributes::Status);
+  EdgeAttributes(OpenMesh::Attributes::Status);
+  HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge | OpenMesh::Attributes::Status);
+  FaceAttributes(OpenMesh::Attributes::Normal | OpenMesh::Attributes::Status);
+  VertexTraits { int tag = -1; };
+};
+using EditorMesh = OpenMesh::TriMesh_ArrayKernelT<EditorTraits>;
+
+EditorMesh editor_mesh(const Mesh& source) {
+  EditorMesh mesh;
+  for (std::size_t i = 0; i < source.n_vertices(); ++i) {
+    const Vec3 p = source.point(VertexHandle(static_cast<int>(i)));
+    mesh.add_vertex(EditorMesh::Point(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])));
+  }
+  for (const FaceHandle f : source.faces()) {
+    std::vector<VertexHandle> corners;
+    for (const VertexHandle v : source.fv_range(f)) corners.push_back(v);
+    mesh.add_face(corners);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("contract: the empty mesh is left empty, with a zero report") {
+  for (const Operator* op : mesh_operators()) {
+    CAPTURE(op->name());
+    Mesh mesh;
+    Context context;
+    const Report report = run(*op, view_of(mesh), context);
+    CHECK(report.unchanged());
+    CHECK(report.operation == op->name());
+    CHECK(mesh.n_vertices() == 0);
+    CHECK(mesh.n_faces() == 0);
+  }
+}
+
+TEST_CASE("contract: a mesh that needs nothing is returned bit for bit, with a zero report") {
+  for (const Operator* op : mesh_operators()) {
+    if (!op->promises().leaves_good_mesh) continue;
+    CAPTURE(op->name());
+    Mesh mesh = icosahedron();
+    const Snapshot before = snapshot(view_of(mesh));
+    Context context;
+    const Report report = run(*op, view_of(mesh), context);
+    CHECK(report.unchanged());
+    CHECK(report.touched_vertices.empty());
+    CHECK(report.touched_faces.empty());
+    CHECK(report.maps.empty());
+    CHECK(snapshot(view_of(mesh)) == before);
+  }
+}
+
+TEST_CASE("contract: the mesh is valid afterwards, and the report counts what changed") {
+  for_all([](const Operator& op, const Mesh& input) {
+    REQUIRE(mesh_problems(input).empty());
+    Mesh mesh = input;
+    const Snapshot before = snapshot(view_of(mesh));
+    Context context;
+    const Report report = run(op, view_of(mesh), context);
+    CHECK_VALID_MESH(mesh);
+    CHECK(mesh.has_vertex_status());
+    if (op.promises().keeps_handles) {
+      CHECK(alive_faces(mesh) - alive_faces(input) ==
+            static_cast<int>(report.faces_added) - static_cast<int>(report.faces_removed));
+      CHECK(alive_vertices(mesh) - alive_vertices(input) ==
+            static_cast<int>(report.vertices_added) - static_cast<int>(report.vertices_removed));
+      CHECK(mesh.n_faces() >= input.n_faces());
+      CHECK(mesh.n_vertices() >= input.n_vertices());
+      if (report.vertices_moved == 0)
+        for (std::size_t i = 0; i < input.n_vertices(); ++i)
+          CHECK(mesh.point(VertexHandle(static_cast<int>(i))) == input.point(VertexHandle(static_cast<int>(i))));
+    }
+    for (const std::uint32_t f : report.touched_faces) CHECK(f < mesh.n_faces());
+    for (const std::uint32_t v : report.touched_vertices) CHECK(v < mesh.n_vertices());
+    if (report.unchanged() && op.promises().keeps_handles) CHECK(snapshot(view_of(mesh)) == before);
+  });
+}
+
+TEST_CASE("contract: a second run changes nothing, where promised") {
+  for_all([](const Operator& op, const Mesh& input) {
+    if (!op.promises().idempotent) return;
+    Mesh mesh = input;
+    Context context;
+    run(op, view_of(mesh), context);
+    const Snapshot once = snapshot(view_of(mesh));
+    CHECK(run(op, view_of(mesh), context).unchanged());
+    CHECK(snapshot(view_of(mesh)) == once);
+  });
+}
+
+TEST_CASE("contract: the result does not depend on the number of threads, and a run can be repeated") {
+  for_all([](const Operator& op, const Mesh& input) {
+    Mesh first = input;
+    Context one;
+    one.threads = 1;
+    const Report expected = run(op, view_of(first), one);
+    for (const int threads : {1, 2, 5}) {
+      Mesh mesh = input;
+      Context context;
+      context.threads = threads;
+      const Report report = run(op, view_of(mesh), context);
+      CHECK(same(report, expected));
+      CHECK(snapshot(view_of(mesh)) == snapshot(view_of(first)));
+    }
+  });
+}
+
+TEST_CASE("contract: cancelled at any checkpoint, the mesh is valid; progress never goes backwards") {
+  for_all([](const Operator& op, const Mesh& input) {
+    int checkpoints = 0;
+    {
+      Mesh mesh = input;
+      Context context;
+      context.on_checkpoint = [&] { ++checkpoints; };
+      std::map<std::string, double> share;
+      context.on_progress = [&](std::string_view step, double done) {
+        double& before = share.try_emplace(std::string(step), 0.0).first->second;
+        CHECK(done >= before);
+        CHECK(done <= 1);
+        before = done;
+      };
+      run(op, view_of(mesh), context);
+    }
+    CHECK(checkpoints > 0);
+    for (int stop = 1; stop <= std::min(checkpoints, 40); ++stop) {
+      CAPTURE(stop);
+      Mesh mesh = input;
+      Context context;
+      int seen = 0;
+      context.on_checkpoint = [&] {
+        if (++seen == stop) context.cancel();
+      };
+      CHECK_THROWS_AS(run(op, view_of(mesh), context), Cancelled);
+      CHECK_VALID_MESH(mesh);
+    }
+  });
+}
+
+TEST_CASE("contract: an option out of range is refused and the mesh untouched") {
+  for (const Operator* op : mesh_operators()) {
+    CAPTURE(op->name());
+    for (const auto& entry : op->schema().entries()) {
+      CAPTURE(entry.info.name);
+      std::vector<OptionValue> wrong;
+      if (entry.info.type == OptionInfo::Type::number) {
+        wrong.push_back(std::nan(""));
+        if (entry.info.minimum > -1e300) wrong.push_back(entry.info.minimum - 1);
+        if (entry.info.maximum < 1e300) wrong.push_back(entry.info.maximum + 1);
+      } else if (entry.info.type == OptionInfo::Type::integer) {
+        if (entry.info.minimum > -2147483648.0) wrong.push_back(static_cast<std::int64_t>(entry.info.minimum) - 1);
+        if (entry.info.maximum < 2147483647.0) wrong.push_back(static_cast<std::int64_t>(entry.info.maximum) + 1);
+      }
+      for (const OptionValue& value : wrong) {
+        Mesh mesh = bumpy_grid(4, 4);
+        const Snapshot before = snapshot(view_of(mesh));
+        const std::shared_ptr<void> options = op->schema().make();
+        entry.set(options.get(), value);
+        Context context;
+        CHECK_THROWS_AS(op->run(view_of(mesh), options.get(), context), InvalidInput);
+        CHECK(snapshot(view_of(mesh)) == before);
+      }
+    }
+  }
+}
+
+TEST_CASE("contract: an editor's float kernel keeps its properties, selection and traits") {
+  for_all([](const Operator& op, const Mesh& input) {
+    EditorMesh mesh = editor_mesh(input);
+    OpenMesh::VPropHandleT<int> id;
+    OpenMesh::FPropHandleT<std::string> label;
+    mesh.add_property(id, "editor:id");
+    mesh.add_property(label, "editor:label");
+    for (const VertexHandle v : mesh.vertices()) {
+      mesh.property(id, v) = 100 + v.idx();
+      mesh.data(v).tag = v.idx();
+      mesh.status(v).set_selected(v.idx() % 3 == 0);
+      mesh.set_color(v, EditorMesh::Color(static_cast<unsigned char>(v.idx()), 1, 2));
+    }
+    for (const FaceHandle f : mesh.faces()) mesh.property(label, f) = "face " + std::to_string(f.idx());
+    const EditorMesh before = mesh;
+    const auto unnamed = [](const EditorMesh& m) {
+      return std::count_if(m.vprops_begin(), m.vprops_end(), [](const auto* p) { return p && p->name() == "<vprop>"; });
+    };
+
+    Context context;
+    Report report;
+    {
+      MeshLease lease(mesh);
+      report = run(op, lease.view(), context);
+    }
+    CHECK_VALID_MESH(mesh);
+    // The lease's own property is gone; what an operator adds and leaves has a name.
+    CHECK(unnamed(mesh) == unnamed(before));
+    REQUIRE(mesh.has_vertex_status());
+    if (!op.promises().keeps_handles) return;
+    for (std::size_t i = 0; i < before.n_vertices(); ++i) {
+      const VertexHandle v(static_cast<int>(i));
+      CHECK(mesh.property(id, v) == 100 + v.idx());
+      CHECK(mesh.data(v).tag == v.idx());
+      CHECK(mesh.status(v).selected() == (v.idx() % 3 == 0));
+      CHECK(mesh.color(v) == before.color(v));
+      if (report.vertices_moved == 0) CHECK(mesh.point(v) == before.point(v));
+    }
+    for (std::size_t i = 0; i < before.n_faces(); ++i)
+      CHECK(mesh.property(label, FaceHandle(static_cast<int>(i))) == "face " + std::to_string(i));
+  });
+}
+
+TEST_CASE("contract: the float kernel gives the same as the double kernel with the same positions") {
+  for_all([](const Operator& op, const Mesh& input) {
+    EditorMesh editor = editor_mesh(input);
+    Mesh mesh;
+    for (const VertexHandle v : editor.vertices()) mesh.add_vertex(OpenMesh::vector_cast<Vec3>(editor.point(v)));
+    for (const FaceHandle f : editor.faces()) {
+      std::vector<VertexHandle> corners;
+      for (const VertexHandle v : editor.fv_range(f)) corners.push_back(v);
+      mesh.add_face(corners);
+    }
+    Context context;
+    const Report expected = run(op, view_of(mesh), context);
+    MeshLease lease(editor);
+    CHECK(same(run(op, lease.view(), context), expected));
+    CHECK(snapshot(lease.view()) == snapshot(view_of(mesh)));
+  });
+}
+
+TEST_CASE("contract: a kernel without status gets it for the time of the lease, and keeps it if elements are deleted") {
+  for (const Operator* op : mesh_operators()) {
+    CAPTURE(op->name());
+    OpenMesh::TriMesh_ArrayKernelT<> mesh;
+    const Mesh source = bumpy_grid(8, 8);
+    for (const VertexHandle v : source.vertices())
+      mesh.add_vertex(OpenMesh::vector_cast<OpenMesh::Vec3f>(source.point(v)));
+    for (const FaceHandle f : source.faces()) {
+      std::vector<VertexHandle> corners;
+      for (const VertexHandle v : source.fv_range(f)) corners.push_back(v);
+      mesh.add_face(corners);
+    }
+    REQUIRE_FALSE(mesh.has_vertex_status());
+    Context context;
+    Report report;
+    {
+      MeshLease lease(mesh);
+      report = run(*op, lease.view(), context);
+    }
+    CHECK_VALID_MESH(mesh);
+    const bool left_deleted = op->promises().keeps_handles && report.faces_removed + report.vertices_removed > 0;
+    CHECK(mesh.has_vertex_status() == left_deleted);
+  }
+}
