@@ -9,6 +9,7 @@
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Writer.hxx>
 #include <STEPControl_Writer.hxx>
+#include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <algorithm>
@@ -111,12 +112,24 @@ class MutedOutput {
 CadTransfer transfer_brep(const std::string& path, bool binary) {
   CadTransfer result;
   std::ifstream in(path, std::ios::binary);
+  // OpenCASCADE does not look at the stream's state and can loop for ever on a malformed number.
+  in.exceptions(std::ios::failbit | std::ios::badbit);
   const MutedOutput muted;
-  if (binary) {
-    BinTools::Read(result.shape, in);
-  } else {
-    BRep_Builder builder;
-    BRepTools::Read(result.shape, in, builder);
+  try {
+    if (binary) {
+      BinTools::Read(result.shape, in);
+    } else {
+      BRep_Builder builder;
+      BRepTools::Read(result.shape, in, builder);
+    }
+  } catch (const Standard_Failure&) {
+    result.shape.Nullify();
+  } catch (const std::ios_base::failure&) {
+    in.exceptions(std::ios::goodbit);
+    in.clear();
+    const auto position = in.tellg();
+    throw IoError(path, "BREP is malformed here or ends early", IoError::Unit::byte,
+                  position < 0 ? 0 : static_cast<std::uint64_t>(position));
   }
   if (result.shape.IsNull()) throw IoError(path, "cannot be parsed as BREP (its content is malformed or ends early)");
   return result;
@@ -164,7 +177,8 @@ CadFile read_cad(const std::string& path, Context& context) {
     std::string why = "it holds no surface";
     if (!file.failed.empty())
       why = fmt::format("{} of its entities failed, first {}: {}", file.failed.size(), file.failed[0].entity,
-                        file.failed[0].reason);
+                        file.failed[0].reason) +
+            (file.warnings.empty() ? "" : "; " + file.warnings[0]);
     else if (!file.warnings.empty())
       why = file.warnings[0];
     throw CadError(fmt::format("{}: no face could be read: {}", path, why));

@@ -9,6 +9,7 @@
 #include <Interface_Check.hxx>
 #include <Interface_CheckIterator.hxx>
 #include <STEPControl_Reader.hxx>
+#include <Standard_Failure.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepShape_Face.hxx>
@@ -195,6 +196,31 @@ void read_file(XSControl_Reader& reader, const std::string& path, const char* fo
   if (model.IsNull() || model->NbEntities() == 0) throw IoError(path, fmt::format("holds no {} entity", format));
 }
 
+/// Turns all roots into shapes. Where OpenCASCADE gives up as a whole, the roots are tried one by one.
+void transfer_roots(XSControl_Reader& reader, Context& context, std::vector<FailedEntity>& failed) {
+  try {
+    const Handle(OcctProgress) progress = new OcctProgress(context, "read CAD");
+    reader.TransferRoots(progress->Start());
+    context.checkpoint();
+    return;
+  } catch (const Standard_Failure&) {
+    reader.ClearShapes();
+    reader.WS()->InitTransferReader(5);  // forget what was begun
+  }
+  const int count = reader.NbRootsForTransfer();
+  for (int i = 1; i <= count; ++i) {
+    context.checkpoint();
+    try {
+      reader.TransferOneRoot(i);
+    } catch (const Standard_Failure& failure) {
+      const Handle(Standard_Transient) root = reader.RootForTransfer(i);
+      const char* text_of_failure = failure.GetMessageString();
+      failed.push_back({fmt::format("{} {}", root->DynamicType()->Name(), text(reader.Model()->StringLabel(root))),
+                        text_of_failure && *text_of_failure ? text_of_failure : failure.DynamicType()->Name()});
+    }
+  }
+}
+
 double iges_unit_mm(const IGESData_GlobalSection& section) {
   switch (section.UnitFlag()) {
     case 1:
@@ -267,9 +293,7 @@ CadTransfer transfer_iges(const std::string& path, Context& context) {
   const int root_count = reader.NbRootsForTransfer();
   std::set<int> roots;
   for (int i = 1; i <= root_count; ++i) roots.insert(model->Number(reader.RootForTransfer(i)));
-  const Handle(OcctProgress) progress = new OcctProgress(context, "read CAD");
-  reader.TransferRoots(progress->Start());
-  context.checkpoint();
+  transfer_roots(reader, context, result.file.failed);
   result.shape = reader.OneShape();
 
   Warnings warnings;
@@ -312,9 +336,7 @@ CadTransfer transfer_step(const std::string& path, Context& context) {
   result.file.unit_mm = step_unit_mm(result.file.unit);
 
   const int root_count = reader.NbRootsForTransfer();
-  const Handle(OcctProgress) progress = new OcctProgress(context, "read CAD");
-  reader.TransferRoots(progress->Start());
-  context.checkpoint();
+  transfer_roots(reader, context, result.file.failed);
   const Handle(Interface_InterfaceModel) model = reader.Model();
 
   // Without product structure (or with one that leads nowhere) nothing was transferred: take the parts themselves.
@@ -326,16 +348,17 @@ CadTransfer transfer_step(const std::string& path, Context& context) {
     if (count > 0) warnings.add(fmt::format("no product structure: {} {} taken one by one", count, what));
     context.checkpoint();
   };
-  if (!has_face(reader.OneShape())) take_each(STANDARD_TYPE(StepShape_ManifoldSolidBrep), "solids");
+  const bool structured = has_face(reader.OneShape());
+  if (!structured) take_each(STANDARD_TYPE(StepShape_ManifoldSolidBrep), "solids");
   if (!has_face(reader.OneShape())) take_each(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel), "shell models");
   if (!has_face(reader.OneShape())) take_each(STANDARD_TYPE(StepShape_Face), "faces");
   result.shape = reader.OneShape();
 
   add_parse_failures(model, warnings);
   add_transfer_messages(reader, warnings);
-  for (int i = 1; i <= root_count; ++i) {
+  for (int i = 1; structured && i <= root_count; ++i) {
     const Handle(Standard_Transient) root = reader.RootForTransfer(i);
-    if (!root.IsNull() && result_of(reader, root).IsNull() && !has_face(result.shape))
+    if (!root.IsNull() && result_of(reader, root).IsNull())
       result.file.failed.push_back(
           {fmt::format("{} {}", root->DynamicType()->Name(), text(model->StringLabel(root))), reason_of(reader, root)});
   }

@@ -126,13 +126,16 @@ class Reader {
   /// The size of the model, good enough to measure tolerances against: from vertices and points on edges.
   void read_scale() {
     clear_box();
-    for (int i = 1; i <= edges_.Extent(); ++i) {
+    TopTools_IndexedMapOfShape used;  // a file may hold curves beside its faces
+    for (int i = 1; i <= faces_.Extent(); ++i) TopExp::MapShapes(faces_(i), TopAbs_EDGE, used);
+    for (int i = 1; i <= used.Extent(); ++i) {
       double first, last;
-      const Handle(Geom_Curve) curve = BRep_Tool::Curve(TopoDS::Edge(edges_(i)), first, last);
+      const Handle(Geom_Curve) curve = BRep_Tool::Curve(TopoDS::Edge(used(i)), first, last);
       if (curve.IsNull() || Precision::IsInfinite(first) || Precision::IsInfinite(last)) continue;
       for (int k = 0; k <= 8; ++k) add_to_box(to_vec(curve->Value(first + (last - first) * k / 8)));
     }
-    model_.diagonal = edges_.Extent() > 0 ? (model_.box_max - model_.box_min).norm() : 0;
+    const double diagonal = (model_.box_max - model_.box_min).norm();
+    model_.diagonal = std::isfinite(diagonal) ? diagonal : 0;
   }
 
   /// The tight box: edges, and the inside of faces where they bulge out.

@@ -47,10 +47,14 @@ struct CadFace {
 ///
 /// Entry i of CadModel::edges is edge i + 1 in TopExp::MapShapes order of CadModel::shape.
 struct CadEdge {
-  std::vector<int> faces;  ///< 0-based positions in CadModel::faces, one entry per use (a seam names its face twice)
-  std::vector<Vec3> polyline;  ///< the curve in space within the chord tolerance; a single point for a degenerate edge
-  double tolerance = 0;        ///< mm, as the file states
-  bool degenerate = false;     ///< a pole: a point in space, a curve in (u,v)
+  /// 0-based positions in CadModel::faces, one entry per use (a seam names its face twice); empty for a curve that
+  /// bounds no usable face.
+  std::vector<int> faces;
+  /// The curve in space within the chord tolerance, in the edge's own direction; a single point for a degenerate edge;
+  /// empty if the file gives the edge in (u,v) only and no curve in space could be made.
+  std::vector<Vec3> polyline;
+  double tolerance = 0;                    ///< mm, as the file states
+  bool degenerate = false;                 ///< a pole: a point in space, a curve in (u,v)
   int start_vertex = -1, end_vertex = -1;  ///< 0-based positions in CadModel::vertices; -1 if the edge has none there
 };
 

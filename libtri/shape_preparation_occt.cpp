@@ -87,6 +87,22 @@ void add_natural_bounds(PreparedShape& prepared) {
                  [&](const TopoDS_Shape& face) { return reshape->Value(face); });
 }
 
+/// Edges known by their parameter curves only get a curve in space; poles have none.
+void add_missing_curves(PreparedShape& prepared) {
+  TopTools_IndexedMapOfShape edges;
+  TopExp::MapShapes(prepared.shape, TopAbs_EDGE, edges);
+  for (int i = 1; i <= edges.Extent(); ++i) {
+    const TopoDS_Edge edge = TopoDS::Edge(edges(i));
+    double first, last;
+    if (BRep_Tool::Degenerated(edge) || !BRep_Tool::Curve(edge, first, last).IsNull()) continue;
+    try {
+      ShapeFix_Edge().FixAddCurve3d(edge);
+    } catch (const Standard_Failure&) {
+      // The edge's polyline stays empty.
+    }
+  }
+}
+
 void add_missing_pcurves(PreparedShape& prepared) {
   for (const TopoDS_Shape& shape : prepared.faces) {
     if (shape.IsNull()) continue;
@@ -108,25 +124,28 @@ void add_missing_pcurves(PreparedShape& prepared) {
 
 void repair_open_loops(PreparedShape& prepared) {
   const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
-  bool any = false;
-  for (const TopoDS_Shape& shape : prepared.faces) {
-    if (shape.IsNull()) continue;
-    const TopoDS_Face face = TopoDS::Face(shape);
-    if (loops_close(face)) continue;
+  std::vector<std::size_t> repaired;
+  for (std::size_t i = 0; i < prepared.faces.size(); ++i) {
+    const TopoDS_Face& face = prepared.faces[i];
+    if (face.IsNull() || !has_wire(face) || loops_close(face)) continue;
     try {
       ShapeFix_Face fix(face);
       fix.SetContext(context);
       fix.SetPrecision(Precision::Confusion());
       fix.SetMaxTolerance(BRep_Tool::Tolerance(face) + 0.1);
       fix.Perform();
-      any = true;
+      repaired.push_back(i);
     } catch (const Standard_Failure&) {
       // As above.
     }
   }
-  if (any)
-    follow_faces(prepared, context->Apply(prepared.shape), "lost while its loops were repaired",
-                 [&](const TopoDS_Shape& face) { return context->Apply(face); });
+  if (repaired.empty()) return;
+  follow_faces(prepared, context->Apply(prepared.shape), "lost while its loops were repaired",
+               [&](const TopoDS_Shape& face) { return context->Apply(face); });
+  for (const std::size_t i : repaired)
+    if (!prepared.faces[i].IsNull() && loops_close(prepared.faces[i]))
+      prepared.warnings.push_back(
+          fmt::format("face {}: its trimming loops did not close in (u,v) and were repaired", i + 1));
 }
 
 }  // namespace
@@ -162,6 +181,7 @@ PreparedShape prepare_shape(const TopoDS_Shape& shape, double sew_tolerance) {
   PreparedShape prepared = track_faces(shape);
   copy_topology(prepared);
   add_natural_bounds(prepared);
+  add_missing_curves(prepared);
   if (needs_sewing(prepared.shape)) sew(prepared, sew_tolerance);
   add_missing_pcurves(prepared);
   repair_open_loops(prepared);

@@ -12,7 +12,7 @@ namespace tri {
 struct PreparedShape {
   TopoDS_Shape shape;
   /// Entry i: face i + 1 of the shape as read, as it is in `shape`, or null if it got lost.
-  std::vector<TopoDS_Shape> faces;
+  std::vector<TopoDS_Face> faces;
   /// Entry i: why the face got lost; empty if it did not.
   std::vector<std::string> lost;
   std::vector<std::string> warnings;

@@ -153,8 +153,9 @@ TEST_CASE("read_cad: what is no CAD file is one clear IoError") {
     };
     has(message_of(folder.make("cut.step", cut(step))), "truncated");
     has(message_of(folder.make("cut.igs", cut(iges))), "truncated");
-    has(message_of(folder.make("cut.brep", cut(brep))), "");
+    has(message_of(folder.make("cut.brep", cut(brep))), "BREP");
   }
+  has(message_of(folder.make("star.brep", replaced(brep, "\nCurves 12\n", "\nCurves *\n"))), "BREP");
   has(message_of(folder.make("data.step", step.substr(0, 300) + garbage + "\nEND-ISO-10303-21;\n")), "STEP");
   has(message_of(folder.make("none.step", "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n")),
       "STEP");

@@ -14,6 +14,7 @@
 #include <TopExp_Explorer.hxx>
 #include <cstdlib>
 #include <filesystem>
+#include <gp_Circ.hxx>
 #include <gp_Pln.hxx>
 #include <gp_Trsf.hxx>
 #include <random>
@@ -349,6 +350,47 @@ TEST_CASE("make_cad_model: missing parameter curves are made, and the shape as r
   CHECK(BRep_Tool::CurveOnSurface(rim, side, first, last).IsNull());
   TopLoc_Location location;
   CHECK(BRep_Tool::Triangulation(side, location).IsNull());
+}
+
+TEST_CASE("make_cad_model: a closed face without its seam, or without its pole, is repaired and said") {
+  using std::numbers::pi;
+  BRep_Builder builder;
+  const auto circle = [](double radius, double height) {
+    return BRepBuilderAPI_MakeEdge(gp_Circ(gp_Ax2(gp_Pnt(0, 0, height), gp_Dir(0, 0, 1)), radius)).Edge();
+  };
+  const auto wire_of = [&](const TopoDS_Shape& edge) {
+    TopoDS_Wire wire;
+    builder.MakeWire(wire);
+    builder.Add(wire, edge);
+    return wire;
+  };
+  const auto shell_of = [&](const TopoDS_Face& face) {
+    TopoDS_Shell shell;
+    builder.MakeShell(shell);
+    builder.Add(shell, face);
+    return make_shape(shell);
+  };
+  TopoDS_Face tube;
+  builder.MakeFace(tube, new Geom_CylindricalSurface(gp_Ax3(), 5), 1e-7);
+  builder.Add(tube, wire_of(circle(5, 0)));
+  builder.Add(tube, wire_of(circle(5, 12).Reversed()));
+  const CadModel cylinder = make_cad_model(shell_of(tube));
+  REQUIRE(cylinder.faces.size() == 1);
+  CHECK(cylinder.warnings.size() == 1);
+  CHECK(cylinder.faces[0].area == doctest::Approx(2 * pi * 5 * 12).epsilon(1e-6));
+  CHECK(cad_topology(cylinder).loops == 2);
+  check_topology_of_tessellation(cylinder);
+
+  TopoDS_Face dome;
+  builder.MakeFace(dome, new Geom_SphericalSurface(gp_Ax3(), 5), 1e-7);
+  builder.Add(dome, wire_of(circle(4, 3)));
+  const CadModel cap = make_cad_model(shell_of(dome));
+  REQUIRE(cap.faces.size() == 1);
+  CHECK(cap.warnings.size() == 1);
+  CHECK(cap.faces[0].area == doctest::Approx(2 * pi * 5 * 2).epsilon(1e-6));
+  CHECK(cad_topology(cap).loops == 1);
+  CHECK(cad_topology(cap).euler == 1);
+  check_topology_of_tessellation(cap);
 }
 
 TEST_CASE("make_cad_model: a face without area is named") {
