@@ -2,8 +2,9 @@
 #include "meshops/operators/compact.hpp"
 #include "meshops/operators/extract_boundaries.hpp"
 #include "meshops/operators/fill_holes.hpp"
-#include "meshops/operators/remove_redundant.hpp"
 #include "meshops/operators/flip_diagonals.hpp"
+#include "meshops/operators/remove_redundant.hpp"
+#include "meshops/operators/stitch_contours.hpp"
 #include "meshops/registry.hpp"
 
 namespace tri {
@@ -20,6 +21,7 @@ void register_operators(Registry& registry) {
   registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");
   registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
                {.idempotent = false});
+  registry.add("stitch-contours", stitch_contours, "Joins boundary contours that face each other by strips of triangles");
 }
 
 }  // namespace tri

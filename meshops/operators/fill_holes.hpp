@@ -3,18 +3,13 @@
 #include <limits>
 
 #include "meshops/context.hpp"
+#include "meshops/hole.hpp"
 #include "meshops/mesh_view.hpp"
 #include "meshops/options.hpp"
 #include "meshops/reference.hpp"
 #include "meshops/report.hpp"
 
 namespace tri {
-
-/// How a hole is triangulated.
-enum class HoleStrategy {
-  nearest_diagonal,       ///< cut the ear with the shortest diagonal, again and again [Ristic et al. 2000]; O(n log n) for n edges
-  minimum_area_dihedral,  ///< least (largest dihedral angle, area) [Barequet & Sharir 1995, Liepa 2003]; O(n^3) up to `max_dynamic_edges`
-};
 
 struct FillHolesOptions {
   HoleStrategy strategy = HoleStrategy::minimum_area_dihedral;

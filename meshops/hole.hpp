@@ -1,0 +1,57 @@
+#pragma once
+
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "meshops/add_faces.hpp"
+#include "meshops/mesh_view.hpp"
+#include "meshops/polygon_triangulation.hpp"
+
+namespace tri {
+
+/// How a hole is triangulated.
+enum class HoleStrategy {
+  nearest_diagonal,       ///< cut the ear with the shortest diagonal, again and again [Ristic et al. 2000]; O(n log n) for n edges
+  minimum_area_dihedral,  ///< least (largest dihedral angle, area) [Barequet & Sharir 1995, Liepa 2003]; O(n^3) up to a limit
+};
+
+/// One boundary loop and the ways to close it. Reads the mesh; valid until the mesh changes at the rim.
+class Hole {
+ public:
+  /// @param rim  the loop's boundary half-edges in order (see `BoundaryLoop::halfedges`); new triangles run along them.
+  Hole(MeshView view, std::vector<HalfedgeHandle> rim);
+
+  const std::vector<VertexHandle>& vertices() const { return vertices_; }
+  int size() const { return static_cast<int>(vertices_.size()); }
+
+  /// Visits no vertex twice.
+  bool simple() const;
+  /// Has two vertices farther apart than `limit` (model units; infinity: never).
+  bool wider_than(double limit) const;
+  bool around_single_triangle() const;
+  /// Whether the loop's own normal points away from the normals of the faces along it (mean cosine below -0.5): the outer rim of a sheet,
+  /// whose triangles would lie on the sheet's back.
+  bool rim_of_sheet() const;
+
+  /// The size() - 2 triangles that close the hole without using an edge of the mesh as a chord; empty if there are none.
+  /// @param max_dynamic_edges  above it `minimum_area_dihedral` first cuts the loop down to this many edges by nearest diagonals.
+  /// @param cut_down  set to whether that was done.
+  std::vector<VertexTriple> triangulate(HoleStrategy strategy, int max_dynamic_edges, bool& cut_down);
+
+ private:
+  void find_forbidden();
+  std::function<bool(int, int)> chord_test() const;
+  Vec3 face_normal(FaceHandle f) const;
+  std::vector<Vec3> edge_normals() const;
+  std::vector<Vec3> vertex_normals() const;
+  bool cut_then_optimise(int rest, std::vector<RingTriangle>& triangles) const;
+
+  MeshView view_;
+  std::vector<HalfedgeHandle> rim_;
+  std::vector<VertexHandle> vertices_;
+  std::vector<Vec3> points_;
+  std::vector<std::pair<int, int>> forbidden_;  ///< ring positions i < j joined by an edge of the mesh that is not of the rim, sorted
+};
+
+}  // namespace tri

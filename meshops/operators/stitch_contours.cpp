@@ -1,0 +1,254 @@
+#include "meshops/operators/stitch_contours.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "meshops/add_faces.hpp"
+#include "meshops/boundary_loops.hpp"
+#include "meshops/contour_triangulation.hpp"
+#include "meshops/facing_contours.hpp"
+#include "meshops/hole.hpp"
+#include "meshops/local_spacing.hpp"
+
+namespace tri {
+namespace {
+
+/// What grew until it stopped at another stretch may go on after that was joined.
+constexpr int passes = 4;
+
+class Stitcher {
+ public:
+  Stitcher(MeshView view, const StitchContoursOptions& options, Context& context, Report& report)
+      : view_(view), mesh_(view.mesh), options_(options), context_(context), report_(report), first_new_face_(mesh_.n_faces()),
+        spacing_(local_spacing(view)), facing_(view, spacing_, {options.max_gap, options.max_distance, options.max_turn}) {}
+
+  void run() {
+    std::vector<ContourPair> pairs;
+    if (options_.pairs != ContourPairs::found) pairs = options_.reference ? options_.reference->contour_pairs(view_) : marked_pairs();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      context_.checkpoint();
+      context_.progress("stitch-contours", 0.5 * static_cast<double>(i) / static_cast<double>(pairs.size()));
+      join_given(pairs[i]);
+    }
+    const bool find = options_.pairs == ContourPairs::found || options_.pairs == ContourPairs::both ||
+                      (options_.pairs == ContourPairs::automatic && pairs.empty());
+    for (int pass = 0; find && pass < passes; ++pass)
+      if (!join_found(pass)) break;
+    close_corners();
+    if (joined_ > 0) report_.figures["contours joined"] = joined_;
+    if (corners_ > 0) report_.figures["corners closed"] = corners_;
+  }
+
+ private:
+  void skip(const char* reason) { ++report_.skipped[reason]; }
+
+  bool is_boundary_run(const std::vector<VertexHandle>& contour, bool closed) const {
+    const std::size_t n = contour.size();
+    for (const VertexHandle v : contour)
+      if (!mesh_.is_valid_handle(v) || mesh_.status(v).deleted()) return false;
+    for (std::size_t i = 0; i + (closed ? 0 : 1) < n; ++i) {
+      const HalfedgeHandle h = mesh_.find_halfedge(contour[i], contour[(i + 1) % n]);
+      if (!h.is_valid() || !mesh_.is_boundary(h)) return false;
+    }
+    return n > 0;
+  }
+
+  void join_given(const ContourPair& pair) {
+    if (!is_boundary_run(pair.first, pair.closed) || !is_boundary_run(pair.second, pair.closed)) {
+      skip("contour is not a free boundary");
+      return;
+    }
+    ContourRun run{pair.first, {pair.second.rbegin(), pair.second.rend()}, pair.closed};
+    if (pair.closed) {
+      // Begin where the loops are nearest, so that they are not twisted against each other.
+      std::size_t best_i = 0, best_j = 0;
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < run.first.size(); ++i)
+        for (std::size_t j = 0; j < run.second.size(); ++j) {
+          const double d = (view_.point(run.first[i]) - view_.point(run.second[j])).sqrnorm();
+          if (d < nearest) nearest = d, best_i = i, best_j = j;
+        }
+      std::rotate(run.first.begin(), run.first.begin() + static_cast<std::ptrdiff_t>(best_i), run.first.end());
+      std::rotate(run.second.begin(), run.second.begin() + static_cast<std::ptrdiff_t>(best_j), run.second.end());
+      run.first.push_back(run.first.front());
+      run.second.push_back(run.second.front());
+    }
+    if (!join(run)) skip("contours do not fit");
+  }
+
+  bool join_found(int pass) {
+    const auto before = report_.faces_added;
+    const auto seeds = facing_.seeds();
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+      context_.checkpoint();
+      if (i % 16 == 0)
+        context_.progress("stitch-contours", 0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / passes);
+      const auto run = facing_.grow(seeds[i]);
+      if (run) join(*run);
+    }
+    return report_.faces_added > before;
+  }
+
+  /// Whether the triangle of a step may be made, with its far diagonal as an inner edge or the end of the strip.
+  bool allowed(const ContourRun& run, int i, int j, ContourStep step) const {
+    const VertexHandle p = run.first[i], q = run.second[j];
+    const bool on_first = step == ContourStep::first;
+    const VertexHandle next = on_first ? run.first[i + 1] : run.second[j + 1];
+    const VertexHandle apex = on_first ? q : p;
+    if (next == apex || p == q) return true;  // contours that end in one vertex: no triangle is made there
+    const VertexHandle a = on_first ? p : next, b = on_first ? next : q;
+    const HalfedgeHandle base = mesh_.find_halfedge(a, b);
+    if (!base.is_valid() || !mesh_.is_boundary(base)) return false;
+    const HalfedgeHandle far_side = mesh_.find_halfedge(next, apex);
+    if (far_side.is_valid() && !mesh_.is_boundary(mesh_.edge_handle(far_side))) return false;
+    return turn_at(view_, base, a, b, apex) <= options_.max_turn;
+  }
+
+  bool join(const ContourRun& run) {
+    std::vector<Vec3> first, second;
+    for (const VertexHandle v : run.first) first.push_back(view_.point(v));
+    for (const VertexHandle v : run.second) second.push_back(view_.point(v));
+    const auto steps = triangulate_contours(first, second, [&](int i, int j, ContourStep s) { return allowed(run, i, j, s); });
+    if (!steps) return false;
+    std::vector<VertexTriple> strip;
+    int i = 0, j = 0;
+    for (const ContourStep s : *steps) {
+      const VertexHandle p = run.first[i], q = run.second[j];
+      if (s == ContourStep::first) {
+        if (p != q && run.first[i + 1] != q) strip.push_back({p, run.first[i + 1], q});
+        ++i;
+      } else {
+        if (p != q && run.second[j + 1] != p) strip.push_back({run.second[j + 1], q, p});
+        ++j;
+      }
+    }
+    const bool done = add(strip);
+    joined_ += done;
+    return done;
+  }
+
+  /// Adds a strip, or the parts of it that fit.
+  bool add(std::span<const VertexTriple> strip) {
+    if (strip.empty()) return false;
+    std::vector<FaceHandle> added;
+    if (add_faces(view_, strip, &added) == FitResult::fits) {
+      report_.faces_added += added.size();
+      for (const FaceHandle f : added) report_.touched_faces.push_back(static_cast<std::uint32_t>(f.idx()));
+      for (const VertexTriple& t : strip)
+        for (const VertexHandle v : t) report_.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
+      return true;
+    }
+    if (strip.size() < 4) return false;
+    const std::size_t half = strip.size() / 2;
+    const bool left = add(strip.first(half)), right = add(strip.subspan(half));
+    return left || right;
+  }
+
+  /// Pairs from the edge property: by value, the two unbroken runs of boundary half-edges that carry it.
+  std::vector<ContourPair> marked_pairs() {
+    std::vector<ContourPair> pairs;
+    OpenMesh::EPropHandleT<int> mark;
+    if (!mesh_.get_property_handle(mark, options_.pair_property)) return pairs;
+    struct Contour {
+      std::vector<VertexHandle> vertices;
+      bool closed;
+    };
+    std::map<int, std::vector<Contour>> contours;
+    const auto value = [&](HalfedgeHandle h) { return mesh_.property(mark, mesh_.edge_handle(h)); };
+    for (const auto& cycle : boundary_cycles(view_)) {
+      const std::size_t n = cycle.size();
+      std::size_t start = 0;
+      while (start < n && value(cycle[start]) == value(cycle[(start + n - 1) % n])) ++start;
+      if (start == n) {
+        if (value(cycle[0]) < 0) continue;
+        Contour& c = contours[value(cycle[0])].emplace_back();
+        c.closed = true;
+        for (const HalfedgeHandle h : cycle) c.vertices.push_back(mesh_.from_vertex_handle(h));
+        continue;
+      }
+      for (std::size_t i = 0; i < n;) {
+        const int number = value(cycle[(start + i) % n]);
+        Contour c{{mesh_.from_vertex_handle(cycle[(start + i) % n])}, false};
+        for (; i < n && value(cycle[(start + i) % n]) == number; ++i) c.vertices.push_back(mesh_.to_vertex_handle(cycle[(start + i) % n]));
+        if (number >= 0) contours[number].push_back(std::move(c));
+      }
+    }
+    for (auto& [number, found] : contours) {
+      if (found.size() != 2 || found[0].closed != found[1].closed) skip("pair without two contours");
+      else pairs.push_back({std::move(found[0].vertices), std::move(found[1].vertices), found[0].closed});
+    }
+    return pairs;
+  }
+
+  void close_corners() {
+    if (options_.max_corner_edges == 0 || report_.faces_added == 0) return;
+    for (const auto& cycle : boundary_cycles(view_)) {
+      context_.checkpoint();
+      int stitched = 0;
+      for (const HalfedgeHandle h : cycle)
+        stitched += mesh_.face_handle(mesh_.opposite_halfedge_handle(h)).idx() >= static_cast<int>(first_new_face_);
+      if (stitched == 0) continue;
+      Hole hole(view_, cycle);
+      double reach = 0;
+      for (const VertexHandle v : hole.vertices()) reach = std::max(reach, facing_.reach(v, v));
+      if (!hole.simple() || hole.rim_of_sheet() || hole.wider_than(2 * reach)) continue;
+      if (hole.size() > options_.max_corner_edges) {
+        skip("corner larger than max-corner-edges");
+        continue;
+      }
+      bool cut_down = false;
+      const auto triangles = hole.around_single_triangle() ? std::vector<VertexTriple>()
+                                                           : hole.triangulate(HoleStrategy::minimum_area_dihedral, hole.size(), cut_down);
+      if (!triangles.empty() && add_whole(triangles)) ++corners_;
+      else skip("corner without a triangulation");
+    }
+  }
+
+  bool add_whole(const std::vector<VertexTriple>& triangles) {
+    return check_faces(view_, triangles) == FitResult::fits && add(triangles);
+  }
+
+  MeshView view_;
+  const OpenMesh::TriConnectivity& mesh_;
+  const StitchContoursOptions& options_;
+  Context& context_;
+  Report& report_;
+  std::size_t first_new_face_;
+  std::vector<double> spacing_;
+  FacingContours facing_;
+  int joined_ = 0, corners_ = 0;
+};
+
+}  // namespace
+
+const OptionSchema& StitchContoursOptions::schema() {
+  using O = StitchContoursOptions;
+  static const OptionSchema schema =
+      Schema<O>()
+          .choice("pairs", &O::pairs,
+                  {{"auto", ContourPairs::automatic}, {"given", ContourPairs::given}, {"found", ContourPairs::found}, {"both", ContourPairs::both}},
+                  {.help = "where the pairs of contours come from"})
+          .number("max-gap", &O::max_gap, {.min = 0, .min_open = true, .help = "widest gap of found pairs, times the local spacing"})
+          .number("max-distance", &O::max_distance,
+                  {.unit = "mm", .min = 0, .min_open = true, .infinite = true, .help = "widest gap of found pairs, in place of max-gap"})
+          .angle("max-turn", &O::max_turn, {.min = 0, .max = 179, .help = "largest angle between a new triangle and the face it joins"})
+          .integer("max-corner-edges", &O::max_corner_edges,
+                   {.unit = "edges", .min = 0, .max = 200, .help = "longer loops left between contours stay open; 0 closes none"})
+          .text("pair-property", &O::pair_property, {.help = "edge property that numbers given pairs"});
+  return schema;
+}
+
+Report stitch_contours(MeshView view, const StitchContoursOptions& options, Context& context) {
+  validate(options);
+  context.checkpoint();
+  Report report;
+  report.operation = "stitch-contours";
+  Stitcher(view, options, context, report).run();
+  std::sort(report.touched_vertices.begin(), report.touched_vertices.end());
+  report.touched_vertices.erase(std::unique(report.touched_vertices.begin(), report.touched_vertices.end()), report.touched_vertices.end());
+  if (report.faces_added > 0) context.progress("stitch-contours", 1);
+  return report;
+}
+
+}  // namespace tri
