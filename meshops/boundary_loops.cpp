@@ -58,6 +58,16 @@ std::vector<int> face_components(MeshView view) {
   return component;
 }
 
+std::vector<std::size_t> component_sizes(MeshView view) {
+  const std::vector<int> component = face_components(view);
+  std::vector<std::size_t> count(component.size() + 1, 0), result(component.size(), 0);
+  for (const int c : component)
+    if (c >= 0) ++count[c];
+  for (std::size_t i = 0; i < component.size(); ++i)
+    if (component[i] >= 0) result[i] = count[component[i]];
+  return result;
+}
+
 std::vector<BoundaryLoop> boundary_loops(MeshView view) {
   const auto& mesh = view.mesh;
   std::vector<BoundaryLoop> loops;

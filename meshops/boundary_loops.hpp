@@ -35,4 +35,7 @@ std::vector<BoundaryLoop> boundary_loops(MeshView mesh);
 /// Component of every face, 0-based, joined by edges, numbered by lowest face index; -1 for a deleted face.
 std::vector<int> face_components(MeshView mesh);
 
+/// Number of faces in the component of every face, by face index; 0 for a deleted face.
+std::vector<std::size_t> component_sizes(MeshView mesh);
+
 }  // namespace tri

@@ -45,7 +45,8 @@ bool Hole::around_single_triangle() const {
   return face(0) == face(1) && face(1) == face(2);
 }
 
-bool Hole::rim_of_sheet() const {
+bool Hole::rim_of_sheet(std::size_t component_faces) const {
+  if (size() <= 6 && component_faces > 24) return false;
   Vec3 across(0, 0, 0);
   for (std::size_t i = 1; i + 1 < points_.size(); ++i) across += (points_[i] - points_[0]) % (points_[i + 1] - points_[0]);
   across = unit(across);

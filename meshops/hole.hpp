@@ -31,8 +31,10 @@ class Hole {
   bool wider_than(double limit) const;
   bool around_single_triangle() const;
   /// Whether the loop's own normal points away from the normals of the faces along it (mean cosine below -0.5): the outer rim of a sheet,
-  /// whose triangles would lie on the sheet's back.
-  bool rim_of_sheet() const;
+  /// whose triangles would lie on the sheet's back. A loop of at most 6 edges on a component of more than 24 faces is a hole in any case: the
+  /// sheet is folded there.
+  /// @param component_faces  number of faces of the loop's component.
+  bool rim_of_sheet(std::size_t component_faces) const;
 
   /// The size() - 2 triangles that close the hole without using an edge of the mesh as a chord; empty if there are none.
   /// @param max_dynamic_edges  above it `minimum_area_dihedral` first cuts the loop down to this many edges by nearest diagonals.

@@ -28,6 +28,7 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
   report.operation = "fill-holes";
   double filled = 0, cut = 0;
   const auto cycles = boundary_cycles(view);
+  const auto sizes = cycles.empty() ? std::vector<std::size_t>() : component_sizes(view);
   for (std::size_t i = 0; i < cycles.size(); ++i) {
     context.checkpoint();
     context.progress("fill-holes", static_cast<double>(i) / static_cast<double>(cycles.size()));
@@ -41,7 +42,7 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
       skip("loop meets itself in a vertex");
     } else if (hole.around_single_triangle()) {
       skip("rim of a single triangle");
-    } else if (hole.rim_of_sheet()) {
+    } else if (hole.rim_of_sheet(sizes[view.mesh.face_handle(view.mesh.opposite_halfedge_handle(cycles[i][0])).idx()])) {
       skip("rim of a sheet");
     } else if (options.reference && options.reference->keeps_open(hole.vertices())) {
       skip("kept open by the reference");

@@ -183,7 +183,9 @@ class Stitcher {
 
   void close_corners() {
     if (options_.max_corner_edges == 0 || report_.faces_added == 0) return;
-    for (const auto& cycle : boundary_cycles(view_)) {
+    const auto cycles = boundary_cycles(view_);
+    const auto sizes = component_sizes(view_);
+    for (const auto& cycle : cycles) {
       context_.checkpoint();
       int stitched = 0;
       for (const HalfedgeHandle h : cycle)
@@ -192,7 +194,7 @@ class Stitcher {
       Hole hole(view_, cycle);
       double reach = 0;
       for (const VertexHandle v : hole.vertices()) reach = std::max(reach, facing_.reach(v, v));
-      if (!hole.simple() || hole.rim_of_sheet() || hole.wider_than(2 * reach)) continue;
+      if (!hole.simple() || hole.rim_of_sheet(sizes[mesh_.face_handle(mesh_.opposite_halfedge_handle(cycle[0])).idx()]) || hole.wider_than(2 * reach)) continue;
       if (hole.size() > options_.max_corner_edges) {
         skip("corner larger than max-corner-edges");
         continue;

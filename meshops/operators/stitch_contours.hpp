@@ -44,7 +44,8 @@ struct StitchContoursOptions {
 /// Adds faces and edges; no vertex is added or moved, existing handles and positions keep. New faces run with the faces on both sides, so contours
 /// of two patches that are oriented differently are no pair. Small loops that are left where three or more contours meet, and where a
 /// ragged stretch was passed over, are then closed as `fill_holes` would. No edge gets more than two faces, no vertex becomes a bow-tie, no
-/// new triangle lacks an area or turns by more than `max_turn` against the face at its base.
+/// triangle of a strip lacks an area or turns by more than `max_turn` against the face at its base. (Where the patches themselves overlap,
+/// what closes the small loop between them folds with them.)
 /// Left open, in `skipped` by reason: "contour is not a free boundary" (a given contour that is no run of boundary half-edges),
 /// "pair without two contours" (the edge property), "contours do not fit" (no strip without such a triangle, edge or vertex),
 /// "corner larger than max-corner-edges", "corner without a triangulation". Contours in the same place are not joined: that is a weld.
