@@ -53,7 +53,7 @@ struct CadEdge {
   /// The curve in space within the chord tolerance, in the edge's own direction; a single point for a degenerate edge;
   /// empty if the file gives the edge in (u,v) only and no curve in space could be made.
   std::vector<Vec3> polyline;
-  double tolerance = 0;                    ///< mm, as the file states
+  double tolerance = 0;                    ///< mm, as the file states or the sewing widened it
   bool degenerate = false;                 ///< a pole: a point in space, a curve in (u,v)
   int start_vertex = -1, end_vertex = -1;  ///< 0-based positions in CadModel::vertices; -1 if the edge has none there
 };

@@ -85,6 +85,38 @@ double volume(const CadModel& model) {
   return sum;
 }
 
+template <class Vec>
+double distance_to_segment(const Vec& p, const Vec& a, const Vec& b) {
+  const Vec chord = b - a;
+  const double cc = chord | chord;
+  const double t = cc > 0 ? std::clamp(((p - a) | chord) / cc, 0.0, 1.0) : 0.0;
+  return (p - a - t * chord).norm();
+}
+
+/// In space, from S(uv) to the image of the coedge's (u,v) polyline: best of some samples, then ternary search beside
+/// it.
+double distance_to_pieces(const CadFace& face, const Coedge& coedge, const Vec2& at) {
+  const std::vector<Vec2>& line = coedge.polyline;
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i)
+    if (distance_to_segment(at, line[i], line[i + 1]) < distance_to_segment(at, line[nearest], line[nearest + 1]))
+      nearest = i;
+  const Vec3 p = face.surface->point(at[0], at[1]);
+  const auto off = [&](double t) {
+    const Vec2 uv = line[nearest] + (line[nearest + 1] - line[nearest]) * t;
+    return (face.surface->point(uv[0], uv[1]) - p).norm();
+  };
+  int best = 0;
+  for (int k = 1; k <= 16; ++k)
+    if (off(k / 16.0) < off(best / 16.0)) best = k;
+  double low = std::max(best - 1, 0) / 16.0, high = std::min(best + 1, 16) / 16.0;
+  for (int k = 0; k < 40; ++k) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    off(a) < off(b) ? high = b : low = a;
+  }
+  return off(0.5 * (low + high));
+}
+
 void check_consistent(const CadModel& model) {
   std::vector<std::vector<int>> uses(model.edges.size());
   for (std::size_t f = 0; f < model.faces.size(); ++f) {
@@ -186,7 +218,7 @@ TEST_CASE("make_cad_model: a box has 12 edges between two faces each, 8 vertices
 TEST_CASE("make_cad_model: the loops wind once around the material and nothing else, as OpenCASCADE classifies") {
   std::vector<TopoDS_Shape> shapes;
   for (const KnownSolid& solid : test::known_solids()) shapes.push_back(solid.shape);
-  for (const char* name : {"boot-lid", "housing"}) shapes.push_back(occt(example_part(name)));
+  for (const char* name : {"bracket", "housing"}) shapes.push_back(occt(example_part(name)));
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-0.05, 1.05);
   for (const TopoDS_Shape& shape : shapes) {
@@ -195,7 +227,7 @@ TEST_CASE("make_cad_model: the loops wind once around the material and nothing e
     for (const CadFace& face : model.faces) {
       CAPTURE(face.index);
       int different = 0;
-      for (int i = 0; i < 40; ++i) {
+      for (int i = 0; i < 25; ++i) {
         const Vec2 uv(face.u_min + unit(random) * (face.u_max - face.u_min),
                       face.v_min + unit(random) * (face.v_max - face.v_min));
         BRepClass_FaceClassifier classifier(faces[static_cast<std::size_t>(face.shape_face) - 1],
@@ -206,6 +238,52 @@ TEST_CASE("make_cad_model: the loops wind once around the material and nothing e
       }
       CHECK(different == 0);
     }
+  }
+}
+
+TEST_CASE("make_cad_model: polylines follow their curves within 1e-5 of the diagonal, in space") {
+  for (const char* name : {"blade", "elbow", "sphere-cap"}) {
+    CAPTURE(name);
+    const CadModel model = make_cad_model(example_part(name));
+    double worst_uv = 0, worst_space = 0;
+    for (const CadFace& face : model.faces)
+      for (const TrimLoop& loop : face.loops)
+        for (const Coedge& coedge : loop.coedges) {
+          const std::vector<Vec3>& edge = model.edges[static_cast<std::size_t>(coedge.edge)].polyline;
+          for (int k = 0; k <= 30; ++k) {
+            const Vec2 uv = coedge.pcurve->point(coedge.first + (coedge.last - coedge.first) * k / 30);
+            const Vec3 p = face.surface->point(uv[0], uv[1]);
+            double to_edge = edge.size() == 1 ? (p - edge[0]).norm() : 1e300;
+            for (std::size_t i = 0; i + 1 < edge.size(); ++i)
+              to_edge = std::min(to_edge, distance_to_segment(p, edge[i], edge[i + 1]));
+            worst_uv = std::max(worst_uv, distance_to_pieces(face, coedge, uv));
+            worst_space = std::max(worst_space, to_edge - model.edges[static_cast<std::size_t>(coedge.edge)].tolerance);
+          }
+        }
+    CHECK(worst_uv < 1.1e-5 * model.diagonal);
+    CHECK(worst_space < 1.1e-5 * model.diagonal);
+  }
+}
+
+TEST_CASE("make_cad_model: instances of one solid are parts of their own, each in its place") {
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(1, 2, 3).Shape();
+  gp_Trsf shift;
+  shift.SetTranslation(gp_Vec(10, 0, 0));
+  BRep_Builder builder;
+  TopoDS_Compound compound;
+  builder.MakeCompound(compound);
+  builder.Add(compound, box);
+  builder.Add(compound, box.Moved(shift));
+  const CadModel model = make_cad_model(make_shape(compound));
+  CHECK(model.faces.size() == 12);
+  CHECK(model.vertices.size() == 16);
+  CHECK((model.box_max - Vec3(11, 2, 3)).norm() < 1e-12);
+  CHECK(cad_topology(model).components == 2);
+  for (const CadFace& face : model.faces) {
+    CHECK(face.shell == (face.index > 6 ? 1 : 0));
+    const Vec2 uv = inner_point(face);
+    const Vec3 center(face.shell == 1 ? 10.5 : 0.5, 1, 1.5);
+    CHECK(((face.surface->point(uv[0], uv[1]) - center) | outward(face, uv)) > 0);
   }
 }
 
