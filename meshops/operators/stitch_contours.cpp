@@ -210,21 +210,42 @@ class Stitcher {
       for (const HalfedgeHandle h : cycle) stitched += is_new(h);
       if (stitched == 0) continue;
       Hole hole(view_, cycle);
-      double reach = 0;
-      for (const VertexHandle v : hole.vertices()) reach = std::max(reach, facing_.reach(v, v));
+      if (!hole.simple()) continue;
+      // The outer rim of two small patches that were joined is no corner. A sheet with n edges around it has fewer than n^2 / 2 faces.
       const auto faces = sizes[mesh_.face_handle(mesh_.opposite_halfedge_handle(cycle[0])).idx()];
-      if (!hole.simple() || hole.wider_than(2 * reach)) continue;
-      if (2 * stitched < hole.size() && hole.rim_of_sheet(faces)) continue;
+      const auto edges = static_cast<std::size_t>(hole.size());
+      if (2 * faces < edges * edges && 2 * stitched < hole.size() && hole.rim_of_sheet(faces)) continue;
       if (hole.size() > options_.max_corner_edges) {
-        skip("corner larger than max-corner-edges");
+        if (!hole.wider_than(reach(hole))) skip("corner larger than max-corner-edges");
+        continue;
+      }
+      if (options_.reference && options_.reference->keeps_open(hole.vertices())) {
+        skip("kept open by the reference");
         continue;
       }
       bool cut_down = false;
       const auto triangles = hole.around_single_triangle() ? std::vector<VertexTriple>()
                                                            : hole.triangulate(HoleStrategy::minimum_area_dihedral, hole.size(), cut_down);
+      if (!triangles.empty() && width(hole, triangles) > reach(hole)) continue;  // an opening of the part
       if (!triangles.empty() && add_whole(triangles)) ++corners_;
       else skip("corner without a triangulation");
     }
+  }
+
+  double reach(const Hole& hole) const {
+    double widest = 0;
+    for (const VertexHandle v : hole.vertices()) widest = std::max(widest, facing_.reach(v, v));
+    return widest;
+  }
+
+  /// The diameter of a disc with the same ratio of area to circumference; twice the width of a long crack.
+  double width(const Hole& hole, const std::vector<VertexTriple>& triangles) const {
+    double area = 0, length = 0;
+    for (const VertexTriple& t : triangles)
+      area += 0.5 * ((view_.point(t[1]) - view_.point(t[0])) % (view_.point(t[2]) - view_.point(t[0]))).norm();
+    const auto& rim = hole.vertices();
+    for (std::size_t i = 0; i < rim.size(); ++i) length += (view_.point(rim[(i + 1) % rim.size()]) - view_.point(rim[i])).norm();
+    return length > 0 ? 4 * area / length : 0;
   }
 
   bool add_whole(const std::vector<VertexTriple>& triangles) {
