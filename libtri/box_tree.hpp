@@ -1,0 +1,85 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+struct Box {
+  Vec3 low, high;
+};
+
+/// A tree of boxes with four children a node, for searches of the nearest. Immutable; may be shared between threads.
+class BoxTree {
+ public:
+  BoxTree() = default;
+  /// @param boxes the box of each item; their index is what `search` hands over
+  explicit BoxTree(const std::vector<Box>& boxes);
+
+  /// Hands over every item whose box is nearer than `limit()`, near ones first, roughly.
+  /// @param limit returns the distance within which items still matter; it may shrink from one call to the next
+  /// @param visit called with the item's index
+  template <class Limit, class Visit>
+  void search(const Vec3& p, Limit&& limit, Visit&& visit) const {
+    if (nodes_.empty()) return;
+    const float x[3] = {static_cast<float>(p[0] - center_[0]), static_cast<float>(p[1] - center_[1]),
+                        static_cast<float>(p[2] - center_[2])};
+    // What rounding to float may have added to a distance.
+    const float slack = 4e-7f * (radius_ + std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]));
+    struct Entry {
+      std::int32_t child;
+      float distance2;
+    };
+    Entry stack[192];
+    int top = 0;
+    stack[top++] = {0, 0};
+    while (top > 0) {
+      const Entry entry = stack[--top];
+      const float reach = static_cast<float>(limit()) * (1 + 1e-6f) + slack;
+      const float reach2 = std::min(reach * reach, std::numeric_limits<float>::max());
+      if (entry.distance2 > reach2) continue;
+      if (entry.child < 0) {
+        visit(static_cast<std::uint32_t>(~entry.child));
+        continue;
+      }
+      const Node& node = nodes_[entry.child];
+      float d2[4] = {0, 0, 0, 0};
+      for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < 4; ++k) {
+          const float below = node.low[c][k] - x[c], above = x[c] - node.high[c][k];
+          float d = below > above ? below : above;
+          d = d > 0 ? d : 0;
+          d2[k] += d * d;
+        }
+      }
+      const int begin = top;
+      for (int k = 0; k < 4; ++k) {
+        if (!(d2[k] <= reach2)) continue;
+        int at = top++;
+        for (; at > begin && stack[at - 1].distance2 < d2[k]; --at) stack[at] = stack[at - 1];
+        stack[at] = {node.child[k], d2[k]};
+      }
+    }
+  }
+
+  std::size_t node_count() const { return nodes_.size(); }
+
+ private:
+  struct alignas(16) Node {
+    float low[3][4], high[3][4];
+    std::int32_t child[4];  // a node, or the complement of an item
+  };
+
+  std::int32_t build(const std::vector<Box>& boxes, std::uint32_t* begin, std::uint32_t* end);
+
+  std::vector<Node> nodes_;
+  Vec3 center_{0, 0, 0};  // boxes are kept relative to it
+  float radius_ = 0;
+};
+
+}  // namespace tri

@@ -1,0 +1,266 @@
+#include "libtri/curve_piece.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tri {
+
+namespace {
+
+float up(double x) {
+  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
+
+struct PieceBounds {
+  double first, second;  // of |dE/dt|, |d2E/dt2|; second is infinite where a kink is crossed
+};
+
+bool crosses(const std::vector<ParameterBreak>& breaks, double period, double low, double high) {
+  const double margin = 1e-9 * (high - low);
+  for (const ParameterBreak& b : breaks) {
+    if (b.continuity > 0) continue;
+    double at = b.at;
+    if (period > 0) at += std::ceil((low - at) / period) * period;
+    if (at > low + margin && at < high - margin) return true;
+  }
+  return false;
+}
+
+class Builder {
+ public:
+  Builder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, const TrimRegion& region,
+          double diagonal, std::vector<CurvePiece>& out)
+      : curve_(curve),
+        index_(index),
+        surface_(surface),
+        region_(region),
+        diagonal_(diagonal),
+        out_(out),
+        u_(surface.u_breaks()),
+        v_(surface.v_breaks()) {}
+
+  void run() {
+    if (curve_.point) {
+      CurvePiece piece{};
+      piece.t = (curve_.first + curve_.last) / 2;
+      piece.half_t = (curve_.last - curve_.first) / 2;
+      piece.center = on_surface(surface_, *curve_.pcurve, piece.t).p;
+      piece.half = Vec3(0, 0, 0);
+      piece.curve = index_;
+      piece.point = true;
+      // A pole of a sloppy file is a small curve.
+      for (int i = 0; i <= 4; ++i) {
+        const double t = curve_.first + (curve_.last - curve_.first) * i / 4;
+        piece.remainder =
+            std::max(piece.remainder, up((on_surface(surface_, *curve_.pcurve, t).p - piece.center).norm()));
+      }
+      out_.push_back(piece);
+      return;
+    }
+    std::vector<double> t{curve_.first};
+    for (const ParameterBreak& b : curve_.pcurve->breaks())
+      if (b.at > curve_.first && b.at < curve_.last) t.push_back(b.at);
+    t.push_back(curve_.last);
+    for (std::size_t i = 0; i + 1 < t.size(); ++i) split(t[i], t[i + 1], 0);
+  }
+
+ private:
+  PieceBounds bounds(double t0, double t1) const {
+    const CurveBounds<Vec2> c = curve_.pcurve->bounds(t0, t1);
+    const Vec2 a = curve_.pcurve->point(t0), b = curve_.pcurve->point(t1);
+    const double h = t1 - t0;
+    // The piece's box in (u,v): its chord, grown by how far the curve leaves it.
+    const double grow_u = c.dd[0] * h * h / 8, grow_v = c.dd[1] * h * h / 8;
+    const double u0 = std::min(a[0], b[0]) - grow_u, u1 = std::max(a[0], b[0]) + grow_u;
+    const double v0 = std::min(a[1], b[1]) - grow_v, v1 = std::max(a[1], b[1]) + grow_v;
+    // Over a sliver the differences of control points would drown in rounding.
+    const double du = 1e-4 * (region_.u_max() - region_.u_min()), dv = 1e-4 * (region_.v_max() - region_.v_min());
+    const double ua = u1 - u0 < du ? u0 - du : u0, ub = u1 - u0 < du ? u1 + du : u1;
+    const double va = v1 - v0 < dv ? v0 - dv : v0, vb = v1 - v0 < dv ? v1 + dv : v1;
+    const SurfaceBounds s = surface_.bounds(ua, ub, va, vb);
+    PieceBounds out;
+    out.first = s.du * c.d[0] + s.dv * c.d[1];
+    out.second = s.duu * c.d[0] * c.d[0] + 2 * s.duv * c.d[0] * c.d[1] + s.dvv * c.d[1] * c.d[1] + s.du * c.dd[0] +
+                 s.dv * c.dd[1];
+    if (crosses(u_, surface_.u_period(), u0, u1) || crosses(v_, surface_.v_period(), v0, v1))
+      out.second = SurfaceBounds::unknown;
+    return out;
+  }
+
+  void split(double t0, double t1, int depth) {
+    const PieceBounds b = bounds(t0, t1);
+    CurvePiece piece{};
+    piece.t = (t0 + t1) / 2;
+    piece.half_t = (t1 - t0) / 2;
+    const CurvePoint3 e = on_surface(surface_, *curve_.pcurve, piece.t);
+    piece.center = e.p;
+    piece.half = e.d * piece.half_t;
+    double first = b.first * piece.half_t;
+    const double second = b.second * piece.half_t * piece.half_t;
+    double remainder = second / 2;
+    if (!std::isfinite(first)) first = 4 * piece.half.norm();  // nothing is proven beside a pole of an offset's base
+    if (!std::isfinite(second)) remainder = first + piece.half.norm();
+    const double length = piece.half.norm();
+    const bool straight = remainder <= 0.05 * length && std::isfinite(second);
+    const bool least = std::max(length, first) <= 1e-4 * diagonal_;
+    if ((length > diagonal_ / 24 || (!straight && !least)) && depth < 30) {
+      split(t0, piece.t, depth + 1);
+      split(piece.t, t1, depth + 1);
+      return;
+    }
+    piece.first = up(first * (1 + 1e-6));
+    piece.second = up(second * (1 + 1e-6));
+    piece.remainder = up(remainder + 1e-12 * diagonal_);
+    piece.curve = index_;
+    out_.push_back(piece);
+  }
+
+  const FaceCurve& curve_;
+  std::uint32_t index_;
+  const Surface& surface_;
+  const TrimRegion& region_;
+  double diagonal_;
+  std::vector<CurvePiece>& out_;
+  std::vector<ParameterBreak> u_, v_;
+};
+
+void offer(const FaceCurve& curve, std::uint32_t index, const Surface& surface, const TrimRegion& region, const Vec3& p,
+           double t, Candidate& best) {
+  t = std::clamp(t, curve.first, curve.last);
+  Vec2 uv;
+  Vec3 normal;
+  const CurvePoint3 e = on_surface(surface, *curve.pcurve, t, &uv, &normal);
+  const double distance = (e.p - p).norm();
+  if (!best.yields_to(distance, curve.boundary)) return;
+  if (curve.inside_only && !region.contains(uv[0], uv[1])) return;
+  best.distance = distance;
+  best.foot = e.p;
+  best.normal = normal;
+  best.uv = uv;
+  best.face = curve.face;
+  best.item = index;
+  best.on_curve = true;
+  best.boundary = curve.boundary;
+  best.t = t;
+}
+
+// Halves the interval until each part is convex, or too far away, or without a stationary point.
+void branch(const CurvePiece& piece, std::uint32_t index, const FaceCurve& curve, const Surface& surface,
+            const TrimRegion& region, const Vec3& p, double tolerance, Candidate& best) {
+  struct Interval {
+    double middle, half;
+  };
+  std::vector<Interval> stack{{0, 1}};
+  while (!stack.empty()) {
+    const Interval r = stack.back();
+    stack.pop_back();
+    const double t = piece.t + r.middle * piece.half_t;
+    const CurvePoint3 e = on_surface(surface, *curve.pcurve, t);
+    const Vec3 w = e.p - p, half = e.d * (piece.half_t * r.half);
+    const double second = piece.second * r.half * r.half;
+    double bound;
+    if (std::isfinite(second)) {
+      const double hh = half | half;
+      const double s = hh > 0 ? std::clamp(-(w | half) / hh, -1.0, 1.0) : 0;
+      bound = (w + half * s).norm() - second / 2;
+    } else {
+      bound = w.norm() - piece.first * r.half;
+    }
+    offer(curve, index, surface, region, p, t, best);
+    if (bound >= best.distance - tolerance) continue;
+    if (std::isfinite(second)) {
+      const double first = piece.first * r.half, reach = w.norm() + first;
+      const double gradient = w | half;
+      const bool inner = r.middle - r.half > -1 + 1e-12 && r.middle + r.half < 1 - 1e-12;
+      if (inner && std::abs(gradient) > first * first + reach * second) continue;
+      const double hessian = (half | half) + (w | e.dd) * (piece.half_t * piece.half_t * r.half * r.half);
+      if (hessian > 3 * first * second + 2 * w.norm() * second) {
+        const double t0 = t - r.half * piece.half_t, t1 = t + r.half * piece.half_t;
+        offer(curve, index, surface, region, p, closest_parameter(curve, surface, p, t0, t1, t), best);
+        continue;
+      }
+    }
+    if (piece.first * r.half <= tolerance || r.half < 1e-12) continue;
+    stack.push_back({r.middle - r.half / 2, r.half / 2});
+    stack.push_back({r.middle + r.half / 2, r.half / 2});
+  }
+}
+
+}  // namespace
+
+double closest_parameter(const FaceCurve& curve, const Surface& surface, const Vec3& p, double t0, double t1,
+                         double t) {
+  double previous = std::numeric_limits<double>::infinity(), last = t;
+  for (int i = 0; i < 60; ++i) {
+    const CurvePoint3 e = on_surface(surface, *curve.pcurve, t);
+    const Vec3 w = e.p - p;
+    const double distance = w.norm();
+    if (distance > previous * (1 + 1e-12) && i < 50) {
+      t = (t + last) / 2;
+      continue;
+    }
+    previous = distance;
+    const double g = w | e.d, metric = e.d | e.d;
+    double h = metric + (w | e.dd);
+    const bool newton = h > 1e-3 * metric;
+    if (!newton) h = metric;
+    if (!(h > 0)) return t;
+    last = t;
+    const double next = std::clamp(t - g / h, t0, t1);
+    const double step = std::abs(next - t);
+    t = next;
+    if (step <= (newton ? 1e-8 : 1e-12) * (t1 - t0)) return t;
+  }
+  return t;
+}
+
+CurvePoint3 on_surface(const Surface& surface, const Curve2& curve, double t, Vec2* uv, Vec3* normal) {
+  const CurvePoint2 c = curve.evaluate(t);
+  const SurfacePoint s = surface.evaluate(c.p[0], c.p[1]);
+  if (uv) *uv = c.p;
+  if (normal) *normal = s.du % s.dv;
+  const double du = c.d[0], dv = c.d[1];
+  return {s.p, s.du * du + s.dv * dv,
+          s.duu * (du * du) + s.duv * (2 * du * dv) + s.dvv * (dv * dv) + s.du * c.dd[0] + s.dv * c.dd[1]};
+}
+
+Box CurvePiece::box() const {
+  Vec3 reach;
+  for (int c = 0; c < 3; ++c) reach[c] = std::abs(half[c]) + remainder;
+  return {center - reach, center + reach};
+}
+
+void make_pieces(const FaceCurve& curve, std::uint32_t index, const Surface& surface, const TrimRegion& region,
+                 double diagonal, std::vector<CurvePiece>& pieces) {
+  Builder(curve, index, surface, region, diagonal, pieces).run();
+}
+
+void closest_on_piece(const CurvePiece& piece, std::uint32_t index, const FaceCurve& curve, const Surface& surface,
+                      const TrimRegion& region, const Vec3& p, double tolerance, Candidate& best) {
+  if (piece.point) {
+    // The longitude under which the point is seen, by the least distance close to the pole.
+    double nearest = std::numeric_limits<double>::infinity(), at = piece.t;
+    for (int i = 0; i <= 16; ++i) {
+      const double t = curve.first + (curve.last - curve.first) * i / 16;
+      const double distance = (on_surface(surface, *curve.pcurve, t).p - p).norm();
+      if (distance < nearest) {
+        nearest = distance;
+        at = t;
+      }
+    }
+    offer(curve, index, surface, region, p, at, best);
+    return;
+  }
+  const double hh = piece.half | piece.half;
+  const double s = hh > 0 ? std::clamp(((p - piece.center) | piece.half) / hh, -1.0, 1.0) : 0;
+  const double t0 = piece.t - piece.half_t, t1 = piece.t + piece.half_t;
+  const double t = closest_parameter(curve, surface, p, t0, t1, piece.t + s * piece.half_t);
+  offer(curve, index, surface, region, p, t, best);
+  const CurvePoint3 e = on_surface(surface, *curve.pcurve, t);
+  const double distance = (e.p - p).norm(), h2 = piece.half_t * piece.half_t;
+  const double hessian = ((e.d | e.d) + ((e.p - p) | e.dd)) * h2;
+  const bool convex = hessian > 6.0 * piece.first * piece.second + 2.0 * distance * piece.second;
+  if (!convex) branch(piece, index, curve, surface, region, p, tolerance, best);
+}
+
+}  // namespace tri
