@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 
 #include "libtri/delaunay.hpp"
 #include "libtri/shell/triangle_geometry.hpp"
@@ -14,6 +13,7 @@
 namespace tri {
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
 using Barycentric = std::array<double, 3>;
 
 /// Feet keep this share of a triangle's height away from its sides, so that the hull of a triangle's points is the triangle.
@@ -65,14 +65,14 @@ void keep_inside(Barycentric& l, double margin) {
   for (double& x : l) x /= sum;
 }
 
-/// Finds the triangle of one face that holds a (u,v): a uniform grid over the triangles' parameter boxes.
+/// Finds a triangle of one face at a (u,v): a uniform grid over the triangles' parameter boxes.
 class FaceLocator {
  public:
   void add(std::int32_t triangle) { triangles_.push_back(triangle); }
 
   void build(const Tessellation& mesh) {
     mesh_ = &mesh;
-    lo_ = Vec2(1, 1) * std::numeric_limits<double>::infinity();
+    lo_ = Vec2(1, 1) * infinity;
     Vec2 hi = -lo_;
     for (std::int32_t t : triangles_)
       for (const Vec2& q : mesh.corner_uv[t]) lo_.minimize(q), hi.maximize(q);
@@ -100,20 +100,24 @@ class FaceLocator {
     }
   }
 
-  /// @return the triangle, or -1 if (u,v) lies in none of them
+  /// @return the triangle that holds (u,v), else one that is near, else -1
   std::int32_t find(const Vec2& q, Barycentric& l) const {
     if (triangles_.empty()) return -1;
     const int cell = cell_of(q, 1) * side_ + cell_of(q, 0);
+    std::int32_t best = -1;
+    double least_outside = -infinity;
     for (std::uint32_t i = start_[cell]; i < start_[cell + 1]; ++i) {
       l = barycentric(mesh_->corner_uv[items_[i]], q);
-      if (l[0] >= -1e-12 && l[1] >= -1e-12 && l[2] >= -1e-12) return items_[i];
+      const double outside = std::min({l[0], l[1], l[2]});
+      if (outside >= 0) return items_[i];
+      if (outside > least_outside) least_outside = outside, best = items_[i];
     }
-    return -1;
+    return best;
   }
 
   std::int32_t find_nearest(const Vec3& p, Barycentric& l) const {
     std::int32_t best = -1;
-    double best_distance = std::numeric_limits<double>::infinity();
+    double best_distance = infinity;
     for (std::int32_t t : triangles_) {
       const Triangle& q = mesh_->triangles[t];
       const Barycentric x = closest(mesh_->points[q[0]], mesh_->points[q[1]], mesh_->points[q[2]], p);
@@ -148,6 +152,40 @@ struct Place {
   Barycentric l{};
 };
 
+/// Barycentric coordinates of the orthogonal projection on the triangle's plane; not all positive outside the triangle.
+Barycentric projected(const Tessellation& mesh, std::int32_t t, const Vec3& p) {
+  const Triangle& q = mesh.triangles[t];
+  const Vec3 e = mesh.points[q[1]] - mesh.points[q[0]], f = mesh.points[q[2]] - mesh.points[q[0]], d = p - mesh.points[q[0]];
+  const double ee = e | e, ff = f | f, ef = e | f, de = d | e, df = d | f;
+  const double det = ee * ff - ef * ef;
+  if (!(det > 0)) return {-1, -1, -1};
+  const double b = (de * ff - df * ef) / det, c = (df * ee - de * ef) / det;
+  return {1 - b - c, b, c};
+}
+
+/// Walks over one face from `start` to the triangle that the foot projects into. (u,v) alone would bend the order of the points
+/// where the parameters run unevenly, most of all at a pole.
+Place settle(const Tessellation& mesh, std::int32_t start, const Vec3& p) {
+  constexpr int longest_walk = 64;
+  Place place;
+  std::int32_t previous = -1, t = start;
+  for (int step = 0; step < longest_walk; ++step) {
+    place.triangle = t;
+    place.l = projected(mesh, t, p);
+    int out = -1;
+    double deepest = 0;
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t n = mesh.neighbors[t][k];
+      if (place.l[k] < deepest && n >= 0 && n != previous && mesh.faces[n] == mesh.faces[t]) deepest = place.l[k], out = k;
+    }
+    if (out < 0) return place;
+    previous = t;
+    t = mesh.neighbors[t][out];
+  }
+  place.triangle = -1;
+  return place;
+}
+
 std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::span<const Foot> feet, Context& context) {
   std::vector<FaceLocator> locators(model.faces.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) locators[mesh.faces[t]].add(static_cast<std::int32_t>(t));
@@ -159,21 +197,22 @@ std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::
       const Foot& foot = feet[i];
       if (foot.face < 0) continue;
       Place& place = places[i];
-      place.triangle = locators[foot.face].find(foot.uv, place.l);
-      double margin = inset;
+      const std::int32_t start = locators[foot.face].find(foot.uv, place.l);
+      if (start >= 0) place = settle(mesh, start, foot.point);
       if (place.triangle >= 0) {
-        // A parameter polygon with wrong curves may hold a (u,v) in the wrong place: the lifted place must be near the foot.
         const Triangle& q = mesh.triangles[place.triangle];
-        const Vec3 a = mesh.points[q[0]], b = mesh.points[q[1]], c = mesh.points[q[2]];
-        const Vec3 on = a * place.l[0] + b * place.l[1] + c * place.l[2];
-        const double size = std::max({(a - b).sqrnorm(), (b - c).sqrnorm(), (c - a).sqrnorm()});
-        if ((on - foot.point).sqrnorm() > std::max(0.25 * size, 100 * mesh.deflection * mesh.deflection)) place.triangle = -1;
+        const Vec3 &a = mesh.points[q[0]], &b = mesh.points[q[1]], &c = mesh.points[q[2]];
+        const bool inside = place.l[0] >= 0 && place.l[1] >= 0 && place.l[2] >= 0;
+        if (!inside) place.l = closest(a, b, c, foot.point);
+        // Wrong parameter curves may have led to the wrong end of the face.
+        const double away = (a * place.l[0] + b * place.l[1] + c * place.l[2] - foot.point).sqrnorm();
+        if (away > 9 * mesh.deflection * mesh.deflection) place.triangle = -1;
+        keep_inside(place.l, inside ? inset : outside_inset);
       }
       if (place.triangle < 0) {
         place.triangle = locators[foot.face].find_nearest(foot.point, place.l);
-        margin = outside_inset;
+        keep_inside(place.l, outside_inset);
       }
-      if (place.triangle >= 0) keep_inside(place.l, margin);
     }
   });
   return places;
