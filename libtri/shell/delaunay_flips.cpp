@@ -15,6 +15,11 @@ double harmonic_index(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (ab.sqrnorm() + ac.sqrnorm() + (c - b).sqrnorm()) / area;
 }
 
+Vec3 model_normal(const EditMesh& mesh, std::uint32_t v) {
+  const auto& n = mesh.vertices[v].normal;
+  return {n[0], n[1], n[2]};
+}
+
 bool lowers_harmonic_index(const EditMesh& mesh, std::int32_t t, int k) {
   const std::int32_t n = mesh.neighbors[t][k];
   const Triangle& q = mesh.triangles[t];
@@ -24,11 +29,16 @@ bool lowers_harmonic_index(const EditMesh& mesh, std::int32_t t, int k) {
   const double before = harmonic_index(a, b, c) + harmonic_index(d, c, b);
   const double after = harmonic_index(a, b, d) + harmonic_index(a, d, c);
   if (!(after < before * (1 - 1e-9))) return false;
-  // The new triangles must face the way the old ones did.
-  const Vec3 old_normal = unit_normal(a, b, c) + unit_normal(d, c, b);
-  const Vec3 n1 = unit_normal(a, b, d), n2 = unit_normal(a, d, c);
-  const double least = 0.5 * old_normal.norm();
-  if ((n1 | old_normal) <= least || (n2 | old_normal) <= least) return false;
+  // No more triangles than before may face against the model; where it has no normal, the new ones face as the old ones did.
+  const Vec3 normal = model_normal(mesh, ia) + model_normal(mesh, ib) + model_normal(mesh, ic) + model_normal(mesh, id);
+  if (normal.sqrnorm() > 1) {
+    const auto turned = [&](const Vec3& p, const Vec3& q, const Vec3& r) { return (((q - p) % (r - p)) | normal) <= 0; };
+    if (turned(a, b, d) + turned(a, d, c) > turned(a, b, c) + turned(d, c, b)) return false;
+  } else {
+    const Vec3 old_normal = unit_normal(a, b, c) + unit_normal(d, c, b);
+    const double least = 0.5 * old_normal.norm();
+    if ((unit_normal(a, b, d) | old_normal) <= least || (unit_normal(a, d, c) | old_normal) <= least) return false;
+  }
   return !mesh.has_edge(ia, id);
 }
 
