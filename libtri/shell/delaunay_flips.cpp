@@ -8,11 +8,13 @@
 namespace tri {
 namespace {
 
-/// Squared edge lengths over twice the area; infinite without area.
+/// Squared edge lengths over twice the area. Beyond the bound rounding would decide, and the same triangle taken from
+/// another corner could count as better for ever.
 double harmonic_index(const Vec3& a, const Vec3& b, const Vec3& c) {
+  constexpr double bound = 1e6;
   const Vec3 ab = b - a, ac = c - a;
-  const double area = (ab % ac).norm();
-  return (ab.sqrnorm() + ac.sqrnorm() + (c - b).sqrnorm()) / area;
+  const double squares = ab.sqrnorm() + ac.sqrnorm() + (c - b).sqrnorm(), twice_area = (ab % ac).norm();
+  return squares < bound * twice_area ? squares / twice_area : bound;
 }
 
 Vec3 model_normal(const EditMesh& mesh, std::uint32_t v) {
@@ -32,7 +34,7 @@ bool lowers_harmonic_index(const EditMesh& mesh, std::int32_t t, int k) {
   // No more triangles than before may face against the model; where it has no normal, the new ones face as the old ones did.
   const Vec3 normal = model_normal(mesh, ia) + model_normal(mesh, ib) + model_normal(mesh, ic) + model_normal(mesh, id);
   if (normal.sqrnorm() > 1) {
-    const auto turned = [&](const Vec3& p, const Vec3& q, const Vec3& r) { return (((q - p) % (r - p)) | normal) <= 0; };
+    const auto turned = [&](const Vec3& p, const Vec3& u, const Vec3& v) { return (((u - p) % (v - p)) | normal) <= 0; };
     if (turned(a, b, d) + turned(a, d, c) > turned(a, b, c) + turned(d, c, b)) return false;
   } else {
     const Vec3 old_normal = unit_normal(a, b, c) + unit_normal(d, c, b);
