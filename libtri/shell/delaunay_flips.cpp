@@ -51,7 +51,7 @@ bool lowers_cost(const EditMesh& mesh, std::int32_t t, int k) {
   const std::uint32_t a = q[k], b = q[(k + 1) % 3], c = q[(k + 2) % 3], d = mesh.triangles[n][mesh.side(n, t)];
   if (a == d) return false;
   const TriangleCost cost(mesh);
-  if (!(cost(a, b, d) + cost(a, d, c) < (cost(a, b, c) + cost(d, c, b)) * (1 - 1e-9))) return false;
+  if (!(cost(a, b, d) + cost(a, d, c) < (cost(a, b, c) + cost(d, c, b)) * (1 - 1e-7))) return false;
   return !mesh.has_edge(a, d);
 }
 
