@@ -4,7 +4,6 @@
 
 #include "cli/commands.hpp"
 #include "cli/info.hpp"
-#include "io/input_file.hpp"
 
 namespace tri::cli {
 
@@ -23,17 +22,6 @@ struct Arguments {
   double sew = 0.01;
   bool json = false;
 };
-
-std::string kind_of(const std::string& path) {
-  const std::string extension = file_extension(path);
-  const auto is_one_of = [&](std::initializer_list<const char*> list) {
-    return std::find(list.begin(), list.end(), extension) != list.end();
-  };
-  if (is_one_of({"igs", "iges", "stp", "step", "brep"})) return "cad";
-  if (is_one_of({"stl", "obj", "off", "ply"})) return "mesh";
-  if (is_one_of({"xyz", "asc", "csv", "txt", "pts", "pcd"})) return "points";
-  throw UsageError(fmt::format("\"{}\": the name does not say what it holds; add --as mesh, points or cad", path));
-}
 
 Info surface_info(const Arguments& a, Context& context) {
   if (a.kind == "points") return points_info(a.input, context);
@@ -89,7 +77,12 @@ void add_info_command(CLI::App& app, Program& program) {
       "  tri info lid.igs\n"
       "  tri info scan.xyz --json");
   command->callback([a, &program] {
-    if (a->kind == "auto" && kind_of(a->input) != "mesh") a->kind = kind_of(a->input);
+    if (a->kind == "auto") {
+      const std::string kind = kind_of(a->input);
+      if (kind.empty())
+        throw UsageError(fmt::format("\"{}\": the name does not say what it holds; add --as mesh, points or cad", a->input));
+      if (kind != "mesh") a->kind = kind;
+    }
 #ifndef TRI_WITH_CAD
     if (a->kind == "cad") throw UsageError("this program was built without CAD files");
 #endif

@@ -4,6 +4,7 @@
 
 #include "cli/commands.hpp"
 #include "io/mesh_file.hpp"
+#include "io/points_file.hpp"
 #include "io/render.hpp"
 
 namespace tri::cli {
@@ -44,10 +45,17 @@ std::string legend(const Rendering& r, const std::string& by) {
   return "";
 }
 
+Soup read_drawable(const std::string& path, Context& context) {
+  if (kind_of(path) != "points") return read_mesh(path, context);
+  Soup soup;
+  soup.points = read_points(path, context).points;
+  return soup;
+}
+
 int run(const Arguments& arguments, Program& program) {
   check_output(arguments.output);
   Context& context = program.context;
-  const Soup soup = read_mesh(arguments.input, context);
+  const Soup soup = read_drawable(arguments.input, context);
   const std::string& by = arguments.options.by;
   const bool known = by.empty() || by == "none" || soup.vertex_scalars.contains(by) || soup.face_scalars.contains(by);
   const auto draw = [&] { return render(soup, arguments.options, context); };
@@ -64,8 +72,10 @@ int run(const Arguments& arguments, Program& program) {
                                         {"covered", r.covered},
                                         {"back", r.back}});
   } else {
-    std::string text = fmt::format("{}: {} x {} pixels, {} triangles\n", arguments.output, r.picture.width, r.picture.height,
-                                   with_commas(soup.triangles.size()));
+    const bool dots = soup.triangles.empty();
+    std::string text = fmt::format("{}: {} x {} pixels, {} {}\n", arguments.output, r.picture.width, r.picture.height,
+                                   with_commas(dots ? soup.points.size() : soup.triangles.size()),
+                                   dots ? "points" : "triangles");
     text += legend(r, arguments.options.by);
     if (r.back > 0) text += fmt::format("{:.1f}% of what is seen are backs of triangles (brown)\n", 100 * r.back);
     print_result(text);
@@ -78,7 +88,7 @@ int run(const Arguments& arguments, Program& program) {
 void add_render_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("render", "Draw a mesh into a PNG picture; needs no display");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("mesh", a->input, "Mesh: PLY, STL, OBJ or OFF (a PLY without faces is drawn as dots)")->required();
+  command->add_option("mesh", a->input, "Mesh: PLY, STL, OBJ or OFF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")->required();
   command->add_option("-o,--output", a->output, "Picture to write, .png")->required();
   command->add_flag("--edges", a->options.edges, "Draw the edges of the triangles, and rims in red");
   command->add_flag("--smooth", a->options.smooth, "Shade smoothly instead of triangle by triangle");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -52,6 +53,17 @@ void require_extension(const std::string& path, const std::vector<std::string>& 
     list += (list.empty() ? "." : ", .") + allowed;
   }
   throw UsageError(fmt::format("{} \"{}\" must end in {}", what, path, list));
+}
+
+std::string kind_of(const std::string& path) {
+  const std::string extension = file_extension(path);
+  const auto is_one_of = [&](std::initializer_list<const char*> list) {
+    return std::find(list.begin(), list.end(), extension) != list.end();
+  };
+  if (is_one_of({"igs", "iges", "stp", "step", "brep"})) return "cad";
+  if (is_one_of({"stl", "obj", "off", "ply"})) return "mesh";
+  if (is_one_of({"xyz", "asc", "csv", "txt", "pts", "pcd"})) return "points";
+  return "";
 }
 
 std::string with_commas(std::uint64_t number) {

@@ -56,6 +56,9 @@ void check_output(const std::string& path);
 /// @throws UsageError unless `path` ends in one of `extensions` (lower case, no dot); `what` names the file's role.
 void require_extension(const std::string& path, const std::vector<std::string>& extensions, const std::string& what);
 
+/// "mesh", "points" or "cad" by the ending of a file's name; empty if it does not tell.
+std::string kind_of(const std::string& path);
+
 /// The writable mesh formats.
 inline const std::vector<std::string> mesh_extensions{"ply", "stl", "obj", "off"};
 

@@ -9,7 +9,6 @@
 #include <Interface_Check.hxx>
 #include <Interface_CheckIterator.hxx>
 #include <STEPControl_Reader.hxx>
-#include <Standard_Failure.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepShape_Face.hxx>
@@ -198,26 +197,20 @@ void read_file(XSControl_Reader& reader, const std::string& path, const char* fo
 
 /// Turns all roots into shapes. Where OpenCASCADE gives up as a whole, the roots are tried one by one.
 void transfer_roots(XSControl_Reader& reader, Context& context, std::vector<FailedEntity>& failed) {
-  try {
-    const Handle(OcctProgress) progress = new OcctProgress(context, "read CAD");
-    reader.TransferRoots(progress->Start());
-    context.checkpoint();
-    return;
-  } catch (const Standard_Failure&) {
-    reader.ClearShapes();
-    reader.WS()->InitTransferReader(5);  // forget what was begun
-  }
+  const Handle(OcctProgress) progress = new OcctProgress(context, "read CAD");
+  const std::string failure = run_guarded([&] { reader.TransferRoots(progress->Start()); });
+  context.checkpoint();
+  if (failure.empty()) return;
+  reader.ClearShapes();
+  reader.WS()->InitTransferReader(5);  // forget what was begun
   const int count = reader.NbRootsForTransfer();
   for (int i = 1; i <= count; ++i) {
     context.checkpoint();
-    try {
-      reader.TransferOneRoot(i);
-    } catch (const Standard_Failure& failure) {
-      const Handle(Standard_Transient) root = reader.RootForTransfer(i);
-      const char* text_of_failure = failure.GetMessageString();
-      failed.push_back({fmt::format("{} {}", root->DynamicType()->Name(), text(reader.Model()->StringLabel(root))),
-                        text_of_failure && *text_of_failure ? text_of_failure : failure.DynamicType()->Name()});
-    }
+    const std::string reason = run_guarded([&] { reader.TransferOneRoot(i); });
+    const Handle(Standard_Transient) root = reader.RootForTransfer(i);
+    if (!reason.empty())
+      failed.push_back(
+          {fmt::format("{} {}", root->DynamicType()->Name(), text(reader.Model()->StringLabel(root))), reason});
   }
 }
 
@@ -343,10 +336,15 @@ CadTransfer transfer_step(const std::string& path, Context& context) {
   Warnings warnings;
   const auto take_each = [&](const Handle(Standard_Type) & type, const char* what) {
     int count = 0;
-    for (int i = 1; i <= model->NbEntities() && !context.cancelled(); ++i)
-      if (model->Value(i)->IsKind(type) && reader.TransferEntity(model->Value(i))) ++count;
-    if (count > 0) warnings.add(fmt::format("no product structure: {} {} taken one by one", count, what));
-    context.checkpoint();
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+      if (!model->Value(i)->IsKind(type)) continue;
+      context.checkpoint();
+      bool done = false;
+      const std::string reason = run_guarded([&] { done = reader.TransferEntity(model->Value(i)); });
+      if (done) ++count;
+      if (!reason.empty()) warnings.add(fmt::format("{}: {}", text(model->StringLabel(model->Value(i))), reason));
+    }
+    if (count > 0) warnings.add(fmt::format("no usable product structure: {} {} taken one by one", count, what));
   };
   const bool structured = has_face(reader.OneShape());
   if (!structured) take_each(STANDARD_TYPE(StepShape_ManifoldSolidBrep), "solids");

@@ -8,6 +8,7 @@
 #include "io/input_file.hpp"
 #include "io/mesh_formats.hpp"
 #include "io/text_scanner.hpp"
+#include "meshops/to_soup.hpp"
 
 namespace tri {
 namespace {
@@ -216,6 +217,11 @@ MeshWriteReport write_mesh(const std::string& path, const Soup& soup, const Mesh
   for (const std::string& note : report.notes) context.log(path + ": " + note);
   context.progress("write", 1);
   return report;
+}
+
+MeshWriteReport write_mesh(const std::string& path, const MeshView& mesh, const MeshWriteOptions& options,
+                           Context& context) {
+  return write_mesh(path, to_soup(mesh), options, context);
 }
 
 }  // namespace tri

@@ -82,4 +82,8 @@ struct MeshWriteReport {
 MeshWriteReport write_mesh(const std::string& path, const Soup& soup, const MeshWriteOptions& options,
                            Context& context);
 
+/// The same for a half-edge mesh: `to_soup(mesh)` is written.
+MeshWriteReport write_mesh(const std::string& path, const MeshView& mesh, const MeshWriteOptions& options,
+                           Context& context);
+
 }  // namespace tri

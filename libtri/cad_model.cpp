@@ -38,6 +38,13 @@ Vec3 to_vec(const gp_Pnt& p) {
   return {p.X(), p.Y(), p.Z()};
 }
 
+double chord_distance(const Vec3& a, const Vec3& p, const Vec3& b) {
+  const Vec3 chord = b - a, d = p - a;
+  const double cc = chord | chord;
+  const double share = cc > 0 ? std::clamp((d | chord) / cc, 0.0, 1.0) : 0.0;
+  return (d - share * chord).norm();
+}
+
 std::string describe(const Standard_Failure& failure) {
   const char* text = failure.GetMessageString();
   return fmt::format("OpenCASCADE: {} {}", failure.DynamicType()->Name(), text ? text : "");
@@ -213,10 +220,7 @@ class Reader {
   std::vector<Vec3> space_polyline(Point point, double first, double last, std::vector<double> inner,
                                    int pieces) const {
     const auto deviation = [&](double t0, double t, double t1) {
-      const Vec3 a = point(t0), chord = point(t1) - a, d = point(t) - a;
-      const double cc = chord | chord;
-      const double share = cc > 0 ? std::clamp((d | chord) / cc, 0.0, 1.0) : 0.0;
-      return (d - share * chord).norm();
+      return chord_distance(point(t0), point(t), point(t1));
     };
     std::vector<Vec3> result;
     for (const double t :
@@ -282,6 +286,11 @@ class Reader {
     }
     for (const double bound : {face.u_min, face.u_max, face.v_min, face.v_max})
       if (!std::isfinite(bound)) return "its parameter box is not finite";
+    double worst_departure = 0;
+    for (const TrimLoop& loop : face.loops)
+      for (const Coedge& coedge : loop.coedges) worst_departure = std::max(worst_departure, departure(coedge, face));
+    if (worst_departure > 0)
+      warn(face, fmt::format("a trimming curve in (u,v) leaves its edge in space by {:.3g} mm", worst_departure));
     const SurfaceBreaks breaks{
         breaks_within(face.surface->u_breaks(), face.surface->u_period(), face.u_min, face.u_max),
         breaks_within(face.surface->v_breaks(), face.surface->v_period(), face.v_min, face.v_max)};
@@ -318,6 +327,22 @@ class Reader {
     coedge.polyline = line.points;
     if (use.reversed) std::reverse(coedge.polyline.begin(), coedge.polyline.end());
     return coedge;
+  }
+
+  /// How far the parameter curve leaves the edge in space, in mm, at a few places; 0 if within the edge's tolerance.
+  double departure(const Coedge& coedge, const CadFace& face) const {
+    const CadEdge& edge = model_.edges[static_cast<std::size_t>(coedge.edge)];
+    if (edge.polyline.size() < 2) return 0;
+    double worst = 0;
+    for (int k = 0; k <= 4; ++k) {
+      const Vec2 uv = coedge.pcurve->point(coedge.first + (coedge.last - coedge.first) * k / 4);
+      const Vec3 p = face.surface->point(uv[0], uv[1]);
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i + 1 < edge.polyline.size(); ++i)
+        nearest = std::min(nearest, chord_distance(edge.polyline[i], p, edge.polyline[i + 1]));
+      worst = std::max(worst, nearest);
+    }
+    return worst > 2 * edge.tolerance + 10 * tolerance() ? worst : 0;
   }
 
   /// Material to the left of every loop: outer loops run counter-clockwise, holes clockwise.

@@ -82,7 +82,9 @@ void gather_vertex_property(const OpenMesh::BaseProperty& property, Indices vert
 
 void set_attributes(const Soup& soup, Indices point_of_vertex, Indices triangle_of_face, Mesh& mesh) {
   const bool has_uv = soup.vertex_scalars.contains("u") && soup.vertex_scalars.contains("v");
-  for (const auto& [name, values] : soup.vertex_scalars) {
+  for (const auto& scalar : soup.vertex_scalars) {
+    const std::string& name = scalar.first;
+    const std::vector<double>& values = scalar.second;  // no binding: lambdas capture none before Clang 16
     const std::string full = "v:" + name;
     if (has_uv && name == "v") continue;
     if (has_uv && name == "u") {

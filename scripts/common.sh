@@ -29,8 +29,13 @@ build() {
 run_tests() {
   local preset=$1 result=0
   ctest --test-dir "build/$preset" --output-on-failure -j 2 || result=$?
-  grep -h '^\[doctest\] \(test cases\|assertions\)' "build/$preset/Testing/Temporary/LastTest.log" |
-    awk -v preset="$preset" '/test cases/ {cases += $4; failed += $8} /assertions/ {checks += $3}
-      END {printf "%s: %d test cases, %d failed, %d checks\n", preset, cases, failed, checks}'
+  print_test_summary "$preset"
   return "$result"
+}
+
+# print_test_summary PRESET: one line about the last run of its suite.
+print_test_summary() {
+  grep -h '^\[doctest\] \(test cases\|assertions\)' "build/$1/Testing/Temporary/LastTest.log" |
+    awk -v preset="$1" '/test cases/ {cases += $4; failed += $9} /assertions/ {checks += $3}
+      END {printf "%s: %d test cases, %d failed, %d checks\n", preset, cases, failed, checks}'
 }

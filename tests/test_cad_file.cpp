@@ -230,6 +230,19 @@ TEST_CASE("read_cad: an IGES face that cannot be read is named, the others are k
   CHECK(!file.failed[0].reason.empty());
 }
 
+TEST_CASE("read_cad: a broken corner of a STEP solid costs the faces around it, by name, and no other") {
+  const TemporaryFolder folder;
+  const std::string text = test::file_bytes(box_file(folder, "box.step"));
+  const std::size_t at = text.find("VERTEX_POINT('',#");
+  REQUIRE(at != std::string::npos);
+  const std::string broken = text.substr(0, at) + "VERTEX_POINT('',$" + text.substr(text.find(')', at));
+  Context context;
+  const CadFile file = read_cad(folder.make("corner.step", broken), context);
+  CHECK(file.faces == 3);
+  CHECK(file.failed.size() == 3);
+  CHECK(make_cad_model(file.shape).faces.size() == 3);
+}
+
 TEST_CASE("read_cad, write_cad: nothing is printed and signal handlers stay as they were") {
   const TemporaryFolder folder;
   struct sigaction before, after;

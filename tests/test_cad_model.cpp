@@ -471,6 +471,24 @@ TEST_CASE("make_cad_model: a closed face without its seam, or without its pole, 
   check_topology_of_tessellation(cap);
 }
 
+TEST_CASE("make_cad_model: a parameter curve that leaves its edge is told with the distance") {
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(20, 30, 10).Shape();
+  const TopoDS_Face face = test::faces_of(box)[2];
+  const TopoDS_Edge edge = TopoDS::Edge(TopExp_Explorer(face, TopAbs_EDGE).Current());
+  double first, last;
+  const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, first, last);
+  gp_Pnt2d p;
+  gp_Vec2d along;
+  curve->D1(first, p, along);
+  const gp_Vec2d aside = gp_Vec2d(-along.Y(), along.X()).Normalized() * 0.05;
+  BRep_Builder().UpdateEdge(edge, Handle(Geom2d_Curve)::DownCast(curve->Translated(aside)), face, 1e-7);
+  const CadModel model = make_cad_model(make_shape(box));
+  CHECK(model.faces.size() == 6);
+  REQUIRE(model.warnings.size() == 1);
+  CHECK(model.warnings[0].find("face 3") == 0);
+  CHECK(model.warnings[0].find("0.05 mm") != std::string::npos);
+}
+
 TEST_CASE("make_cad_model: a face without area is named") {
   BRep_Builder builder;
   TopoDS_Compound compound;

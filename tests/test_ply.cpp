@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 
 #include "mesh_io_helpers.hpp"
@@ -265,6 +266,27 @@ TEST_CASE("ply: an index column that is no integer stays a double") {
   Soup soup = awkward_soup();
   soup.vertex_scalars["point_index"] = {5, 4.5, 3, 2, 1, 0};
   CHECK(round_trip(soup, "a.ply").vertex_scalars == soup.vertex_scalars);
+}
+
+TEST_CASE("mesh files: a half-edge mesh is written with its properties, without deleted faces") {
+  Mesh mesh;
+  const auto v0 = mesh.add_vertex({0, 0, 0}), v1 = mesh.add_vertex({1, 0, 0}), v2 = mesh.add_vertex({0, 1, 0}),
+             v3 = mesh.add_vertex({1, 1, 0});
+  mesh.add_face(v0, v1, v2);
+  mesh.delete_face(mesh.add_face(v1, v3, v2), false);
+  OpenMesh::VPropHandleT<int> index;
+  mesh.add_property(index, property::point_index);
+  for (int i = 0; i < 4; ++i) mesh.property(index, VertexHandle(i)) = 10 - i;
+  TemporaryFolder folder;
+  Context context;
+  write_mesh(folder / "a.ply", view_of(mesh), {}, context);
+  const Soup soup = read_mesh(folder / "a.ply", context);
+  CHECK(soup.points == std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+  REQUIRE(soup.triangles.size() == 1);
+  Triangle turned = soup.triangles[0];  // a face keeps its sense, not its first corner
+  std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), 0u), turned.end());
+  CHECK(turned == Triangle{0, 1, 2});
+  CHECK(soup.vertex_scalars.at("point_index") == std::vector<double>{10, 9, 8, 7});
 }
 
 TEST_CASE("ply: an empty mesh is written and read") {

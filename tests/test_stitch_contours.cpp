@@ -188,22 +188,59 @@ TEST_CASE("stitch_contours: six sides of a box become a closed box with its corn
   }
 }
 
-TEST_CASE("stitch_contours: noisy, ragged patches still make one sheet or one closed box") {
-  for (unsigned seed = 0; seed < 12; ++seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> jitter(-0.2, 0.2);
-    Patches patches = open_box(12, 0.5, {10, 11, 12, 10, 9, 11});
-    for (Vec3& p : patches.points) p += Vec3(jitter(random), jitter(random), jitter(random));
-    Mesh mesh = patches.mesh();
-    const auto vertices = mesh.n_vertices();
-    Context context;
-    stitch_contours(view_of(mesh), {}, context);
-    CHECK_VALID_MESH(mesh);
-    CHECK(mesh.n_vertices() == vertices);
-    CHECK(boundary_loops(mesh) == 0);
-    CHECK(euler_characteristic(mesh) == 2);
-    CHECK(mesh_volume(view_of(mesh)) == doctest::Approx(12 * 12 * 12).epsilon(0.05));
+TEST_CASE("stitch_contours: noisy, ragged, even overlapping patches make one closed box, without a handle") {
+  struct Case {
+    double height, gap, jitter;
+  };
+  for (const Case& c : {Case{12, 0.5, 0.2}, {12, 0.3, 0.3}, {12, 0.1, 0.1}, {3, 0.5, 0.3}, {1.5, 0.3, 0.2}})
+    for (unsigned seed = 0; seed < 8; ++seed) {
+      CAPTURE(c.height);
+      CAPTURE(c.gap);
+      CAPTURE(c.jitter);
+      CAPTURE(seed);
+      std::mt19937 random(seed);
+      std::uniform_real_distribution<double> jitter(-c.jitter, c.jitter), density(0.7, 1.4);
+      const double a = c.gap, l = 12 - 2 * a, h = c.height - 2 * a;
+      const Vec3 x(l, 0, 0), y(0, l, 0), z(0, 0, h);
+      const auto cells = [&](double length) { return std::max(1, static_cast<int>(length * density(random))); };
+      Patches patches;
+      patches.add(flat({a, a, c.height}, x, y, cells(l), cells(l)));
+      patches.add(flat({a, a, 0}, y, x, cells(l), cells(l)));
+      patches.add(flat({a, 0, a}, x, z, cells(l), cells(h)));
+      patches.add(flat({a, 12, a}, z, x, cells(h), cells(l)));
+      patches.add(flat({0, a, a}, z, y, cells(h), cells(l)));
+      patches.add(flat({12, a, a}, y, z, cells(l), cells(h)));
+      for (Vec3& p : patches.points) p += Vec3(jitter(random), jitter(random), jitter(random));
+      Mesh mesh = patches.mesh();
+      const auto vertices = mesh.n_vertices();
+      Context context;
+      stitch_contours(view_of(mesh), {}, context);
+      CHECK_VALID_MESH(mesh);
+      CHECK(mesh.n_vertices() == vertices);
+      CHECK(boundary_loops(mesh) == 0);
+      CHECK(euler_characteristic(mesh) == 2);
+      CHECK(mesh_volume(view_of(mesh)) == doctest::Approx(12 * 12 * c.height).epsilon(c.height > 10 ? 0.05 : 0.15));
+    }
+}
+
+TEST_CASE("stitch_contours: an opening of the part between patches stays open, the gap beside it is closed") {
+  // Two halves of a sheet with a gap of 0.6; each has a notch in the middle of its rim, which together make an opening of 6 x 6.6.
+  Patches patches;
+  for (int half = 0; half < 2; ++half) {
+    PatchShape s;
+    s.nu = 18;
+    s.nv = 8;
+    s.point = [=](int i, int j) { return Vec3(i, half == 0 ? j : 8.6 + j, 0); };
+    s.keep = [=](int i, int j) { return !(i >= 6 && i < 12 && (half == 0 ? j >= 5 : j < 3)); };
+    patches.add(s);
   }
+  Mesh mesh = patches.mesh();
+  Context context;
+  stitch_contours(view_of(mesh), {}, context);
+  CHECK_VALID_MESH(mesh);
+  CHECK(boundary_loops(mesh) == 2);
+  CHECK(euler_characteristic(mesh) == 0);
+  CHECK(mesh_area(view_of(mesh)) == doctest::Approx(18 * 16.6 - 6 * 6.6));
 }
 
 TEST_CASE("stitch_contours: gaps wider than max_gap, rims side by side and sheets back to back stay open") {

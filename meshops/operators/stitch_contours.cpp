@@ -84,10 +84,29 @@ class Stitcher {
       context_.checkpoint();
       if (i % 16 == 0)
         context_.progress("stitch-contours", 0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / passes);
+      if (is_corner(seeds[i].first) || is_corner(seeds[i].second)) continue;
       const auto run = facing_.grow(seeds[i]);
       if (run) join(*run);
     }
     return report_.faces_added > before;
+  }
+
+  bool is_new(HalfedgeHandle boundary) const {
+    return mesh_.face_handle(mesh_.opposite_halfedge_handle(boundary)).idx() >= static_cast<int>(first_new_face_);
+  }
+
+  /// Whether the half-edge is on a small loop that stitching left. Such a loop is closed by itself afterwards; joined to the next one it would
+  /// make a handle.
+  bool is_corner(HalfedgeHandle start) const {
+    if (!mesh_.is_boundary(start)) return false;
+    bool stitched = false;
+    HalfedgeHandle h = start;
+    for (int edges = 0; edges < options_.max_corner_edges; ++edges) {
+      stitched = stitched || is_new(h);
+      h = mesh_.next_halfedge_handle(h);
+      if (h == start) return stitched;
+    }
+    return false;
   }
 
   /// Whether the triangle of a step may be made, with its far diagonal as an inner edge or the end of the strip.
@@ -188,23 +207,45 @@ class Stitcher {
     for (const auto& cycle : cycles) {
       context_.checkpoint();
       int stitched = 0;
-      for (const HalfedgeHandle h : cycle)
-        stitched += mesh_.face_handle(mesh_.opposite_halfedge_handle(h)).idx() >= static_cast<int>(first_new_face_);
+      for (const HalfedgeHandle h : cycle) stitched += is_new(h);
       if (stitched == 0) continue;
       Hole hole(view_, cycle);
-      double reach = 0;
-      for (const VertexHandle v : hole.vertices()) reach = std::max(reach, facing_.reach(v, v));
-      if (!hole.simple() || hole.rim_of_sheet(sizes[mesh_.face_handle(mesh_.opposite_halfedge_handle(cycle[0])).idx()]) || hole.wider_than(2 * reach)) continue;
+      if (!hole.simple()) continue;
+      // The outer rim of two small patches that were joined is no corner. A sheet with n edges around it has fewer than n^2 / 2 faces.
+      const auto faces = sizes[mesh_.face_handle(mesh_.opposite_halfedge_handle(cycle[0])).idx()];
+      const auto edges = static_cast<std::size_t>(hole.size());
+      if (2 * faces < edges * edges && 2 * stitched < hole.size() && hole.rim_of_sheet(faces)) continue;
       if (hole.size() > options_.max_corner_edges) {
-        skip("corner larger than max-corner-edges");
+        if (!hole.wider_than(reach(hole))) skip("corner larger than max-corner-edges");
+        continue;
+      }
+      if (options_.reference && options_.reference->keeps_open(hole.vertices())) {
+        skip("kept open by the reference");
         continue;
       }
       bool cut_down = false;
       const auto triangles = hole.around_single_triangle() ? std::vector<VertexTriple>()
                                                            : hole.triangulate(HoleStrategy::minimum_area_dihedral, hole.size(), cut_down);
+      if (!triangles.empty() && width(hole, triangles) > reach(hole)) continue;  // an opening of the part
       if (!triangles.empty() && add_whole(triangles)) ++corners_;
       else skip("corner without a triangulation");
     }
+  }
+
+  double reach(const Hole& hole) const {
+    double widest = 0;
+    for (const VertexHandle v : hole.vertices()) widest = std::max(widest, facing_.reach(v, v));
+    return widest;
+  }
+
+  /// The diameter of a disc with the same ratio of area to circumference; twice the width of a long crack.
+  double width(const Hole& hole, const std::vector<VertexTriple>& triangles) const {
+    double area = 0, length = 0;
+    for (const VertexTriple& t : triangles)
+      area += 0.5 * ((view_.point(t[1]) - view_.point(t[0])) % (view_.point(t[2]) - view_.point(t[0]))).norm();
+    const auto& rim = hole.vertices();
+    for (std::size_t i = 0; i < rim.size(); ++i) length += (view_.point(rim[(i + 1) % rim.size()]) - view_.point(rim[i])).norm();
+    return length > 0 ? 4 * area / length : 0;
   }
 
   bool add_whole(const std::vector<VertexTriple>& triangles) {

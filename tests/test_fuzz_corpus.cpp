@@ -1,0 +1,28 @@
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "fuzz/invariants.hpp"
+#include "temporary_folder.hpp"
+
+using namespace tri;
+
+TEST_CASE("fuzz corpus: every file is read consistently or refused with an IoError") {
+  int files = 0, accepted = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(TRI_FUZZ_CORPUS)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string format = entry.path().parent_path().filename().string();
+    CAPTURE(entry.path().string());
+    const std::string bytes = test::file_bytes(entry.path().string());
+    bool fine = false;
+    if (format == "points")
+      CHECK_NOTHROW(fine = fuzz::read_as_points(bytes, "input.xyz"));
+    else
+      CHECK_NOTHROW(fine = fuzz::read_as_mesh(bytes, "input." + format));
+    accepted += fine;
+    ++files;
+  }
+  CHECK(files >= 20);
+  CHECK(accepted >= 10);
+  CHECK(accepted < files);
+}
