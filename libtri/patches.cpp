@@ -123,7 +123,7 @@ class Assembler {
         const std::uint32_t i = by_face_[k];
         const Vec2 p = domains_[f].to_plane(feet_[i].uv);
         const auto place = indices_[f]->close(p);
-        if (place.edge >= 0) {
+        if (place.edge >= 0 && !model_.edges[static_cast<std::size_t>(place.edge)].degenerate) {
           snapped[f].push_back({place.edge, {place.s, i}});
         } else {
           inside_[f].push_back({p, i});

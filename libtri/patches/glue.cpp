@@ -93,6 +93,94 @@ void split_fans(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain) {
     }
 }
 
+// Corner of triangle t opposite its directed edge (a, b).
+int opposite(const EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_t b) {
+  const Triangle& q = mesh.triangles[static_cast<std::size_t>(t)];
+  for (int k = 0; k < 3; ++k)
+    if (q[(k + 1) % 3] == a && q[(k + 2) % 3] == b) return k;
+  return 0;
+}
+
+// Halves the triangle (a, b, c) from c to m on its edge (a, b): it keeps (a, m, c). Returns the new one, (m, b, c). Unlike
+// EditMesh::split_edge it tells edges by their vertices, for two triangles may share two edges here.
+std::int32_t halve(EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_t b, std::uint32_t m) {
+  const int k = opposite(mesh, t, a, b);
+  const auto i = static_cast<std::size_t>(t);
+  const std::uint32_t c = mesh.triangles[i][k];
+  const std::int32_t beyond = mesh.neighbors[i][(k + 1) % 3];  // across (b, c)
+  const auto half = static_cast<std::int32_t>(mesh.triangles.size());
+  mesh.triangles.push_back({m, b, c});
+  mesh.neighbors.push_back({beyond, t, -1});
+  mesh.creases.push_back(0);
+  if (beyond >= 0) mesh.neighbors[static_cast<std::size_t>(beyond)][opposite(mesh, beyond, c, b)] = half;
+  mesh.triangles[i][(k + 2) % 3] = m;
+  mesh.neighbors[i][(k + 1) % 3] = half;
+  for (const std::uint32_t v : {m, b, c}) mesh.vertex_triangle[v] = half;
+  mesh.vertex_triangle[a] = t;
+  return half;
+}
+
+void split_edge(EditMesh& mesh, std::int32_t t, int k) {
+  const std::uint32_t a = mesh.triangles[static_cast<std::size_t>(t)][(k + 1) % 3];
+  const std::uint32_t b = mesh.triangles[static_cast<std::size_t>(t)][(k + 2) % 3];
+  const std::int32_t n = mesh.neighbors[static_cast<std::size_t>(t)][k];
+  const auto m = static_cast<std::uint32_t>(mesh.vertices.size());
+  EditMesh::Vertex middle;
+  middle.p = 0.5 * (mesh.vertices[a].p + mesh.vertices[b].p);
+  mesh.vertices.push_back(middle);
+  mesh.vertex_triangle.push_back(t);
+  const std::int32_t half = halve(mesh, t, a, b, m);  // t = (a, m, c), half = (m, b, c)
+  if (n < 0) {
+    mesh.neighbors[static_cast<std::size_t>(half)][2] = -1;
+    return;
+  }
+  const std::int32_t other = halve(mesh, n, b, a, m);  // n = (b, m, d), other = (m, a, d)
+  mesh.neighbors[static_cast<std::size_t>(t)][opposite(mesh, t, a, m)] = other;
+  mesh.neighbors[static_cast<std::size_t>(other)][2] = t;
+  mesh.neighbors[static_cast<std::size_t>(half)][2] = n;
+  mesh.neighbors[static_cast<std::size_t>(n)][opposite(mesh, n, b, m)] = half;
+}
+
+// Around a pole or a narrow closed face two edges may join the same two vertices: all but one get a vertex in the middle.
+void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain) {
+  struct Edge {
+    std::uint32_t a, b;
+    Use use;
+  };
+  std::vector<Edge> edges;
+  const auto chained = [&](std::uint32_t v) { return v >= on_chain.size() || on_chain[v]; };
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.triangles[i][(k + 1) % 3], b = mesh.triangles[i][(k + 2) % 3];
+      if (!chained(a) && !chained(b)) continue;  // inside a face no edge is double
+      const std::int32_t n = mesh.neighbors[i][k];
+      if (n >= 0 && a > b) continue;  // seen from the other side
+      edges.push_back({std::min(a, b), std::max(a, b), {static_cast<std::int32_t>(i), k}});
+    }
+  std::stable_sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const Edge& e = edges[i];
+    if (e.a != edges[i - 1].a || e.b != edges[i - 1].b) continue;
+    // An earlier split may have handed the edge to the triangle's other half.
+    std::vector<std::int32_t> around{e.use.triangle};
+    for (const std::int32_t n : mesh.neighbors[static_cast<std::size_t>(e.use.triangle)])
+      if (n >= 0) around.push_back(n);
+    for (const std::int32_t t : around) {
+      const Triangle& q = mesh.triangles[static_cast<std::size_t>(t)];
+      const int k = opposite(mesh, t, e.a, e.b), back = opposite(mesh, t, e.b, e.a);
+      const auto is = [&](int c, std::uint32_t x, std::uint32_t y) { return q[(c + 1) % 3] == x && q[(c + 2) % 3] == y; };
+      if (is(k, e.a, e.b)) {
+        split_edge(mesh, t, k);
+      } else if (is(back, e.b, e.a)) {
+        split_edge(mesh, t, back);
+      } else {
+        continue;
+      }
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patches, const std::vector<std::size_t>& chain_sizes,
@@ -142,6 +230,7 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
   mesh.creases.assign(mesh.triangles.size(), 0);
   split_fans(mesh, on_chain);
   mesh.index_vertices();
+  split_double_edges(mesh, on_chain);
   return mesh;
 }
 
