@@ -192,7 +192,8 @@ class PcdParser {
     };
     for (const char* name : {"x", "y", "z"}) {
       const Field* field = find(name);
-      if (!field) throw IoError(file_, fmt::format("the PCD header has no field {}", name));
+      if (!field)
+        throw IoError(file_, fmt::format("the PCD header has no field {}", name), IoError::Unit::byte, header_.size);
       used_.push_back(field);
     }
     const std::array<const Field*, 3> normal{find("normal_x"), find("normal_y"), find("normal_z")};

@@ -171,14 +171,19 @@ class PlyParser {
       has_vertices = true;
       vertex_count_ = element.count;
     }
-    if (!has_vertices) throw IoError(file_, "a PLY file without an element vertex");
-    if (vertex_count_ > 0xFFFFFFFE) throw IoError(file_, fmt::format("{} vertices are too many", vertex_count_));
+    if (!has_vertices) fail_header("a PLY file without an element vertex");
+    if (vertex_count_ > 0xFFFFFFFE) fail_header(fmt::format("{} vertices are too many", vertex_count_));
     if (least > static_cast<double>(source_.remaining() + source_.slack()))
       throw IoError(
           file_,
           fmt::format("truncated or absurd: the elements of the header need at least {:.0f} bytes, {} are left", least,
                       source_.remaining()),
           IoError::Unit::byte, source_.offset());
+  }
+
+  // About what the header does not say: at its last line.
+  [[noreturn]] void fail_header(const std::string& message) const {
+    throw IoError(file_, message, IoError::Unit::line, header_.lines);
   }
 
   void report(Context& context, std::uint64_t i) const {
@@ -223,7 +228,7 @@ class PlyParser {
       return property && !property->is_list;
     };
     for (const char* name : {"x", "y", "z"})
-      if (!has(name)) throw IoError(file_, fmt::format("the element vertex has no property {}", name));
+      if (!has(name)) fail_header(fmt::format("the element vertex has no property {}", name));
     const bool normals = has("nx") && has("ny") && has("nz");
     std::array<const char*, 3> color_names{"red", "green", "blue"};
     if (!has("red") && has("diffuse_red")) color_names = {"diffuse_red", "diffuse_green", "diffuse_blue"};
@@ -293,7 +298,7 @@ class PlyParser {
     const PlyProperty* indices = element.find("vertex_indices");
     if (!indices) indices = element.find("vertex_index");
     if (!indices || !indices->is_list)
-      throw IoError(file_, fmt::format("the element {} has no list vertex_indices", element.name));
+      fail_header(fmt::format("the element {} has no list vertex_indices", element.name));
     std::vector<std::vector<double>*> column;
     for (const PlyProperty& property : element.properties) {
       column.push_back(property.is_list ? nullptr : &soup_.face_scalars[property.name]);
@@ -328,7 +333,7 @@ class PlyParser {
   void strips(const PlyElement& element, Context& context) {
     const PlyProperty* indices = element.find("vertex_indices");
     if (!indices) indices = element.find("vertex_index");
-    if (!indices || !indices->is_list) throw IoError(file_, "the element tristrips has no list vertex_indices");
+    if (!indices || !indices->is_list) fail_header("the element tristrips has no list vertex_indices");
     std::vector<std::uint32_t> strip;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       report(context, i);

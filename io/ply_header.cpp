@@ -136,6 +136,7 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& file) {
   if (!has_format) scanner.fail("the header names no format");
   if (!scanner.at_line_end()) scanner.fail(quoted(scanner.token()) + " where the line should end");
   header.size = scanner.offset();
+  header.lines = line_of(bytes, scanner.position());
   const std::string_view rest = bytes.substr(header.size);
   if (rest.starts_with("\r\n") && !lone_returns)
     header.size += 2;

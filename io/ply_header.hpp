@@ -34,7 +34,8 @@ struct PlyElement {
 struct PlyHeader {
   MeshEncoding encoding = MeshEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::size_t size = 0;  ///< bytes up to the first of the body
+  std::size_t size = 0;     ///< bytes up to the first of the body
+  std::uint64_t lines = 0;  ///< of the header
 };
 
 /// @throws IoError with the line: not a PLY header, an unknown type or keyword, a name that is given twice. Counts are

@@ -9,8 +9,10 @@
 namespace tri::io_detail {
 namespace {
 
-// Ear clipping takes quadratic time.
+// Ear clipping takes quadratic time, and cubic time on outlines made to that end: beyond so many looks at a corner any
+// ear will do.
 constexpr std::size_t max_ear_clipping = 2000;
+constexpr std::size_t max_looks = 20'000'000;
 
 double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -18,10 +20,16 @@ double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
 
 class EarClipper {
  public:
-  // Writes size-2 triangles of the polygon to `out`; false if a fan is as good or as bad.
-  bool run(std::span<const std::uint32_t> corners, const std::vector<Vec3>& points, Triangle* out) {
+  enum class Result {
+    fan,       // convex or degenerate: nothing was written
+    clipped,   // size-2 triangles were written
+    forced,    // as well, but some of them overlap or lie outside
+    too_large  // nothing was written
+  };
+
+  Result run(std::span<const std::uint32_t> corners, const std::vector<Vec3>& points, Triangle* out) {
     const std::size_t n = corners.size();
-    if (n > max_ear_clipping || !project(corners, points)) return false;
+    if (!project(corners, points)) return Result::fan;
     previous_.resize(n);
     next_.resize(n);
     bool convex = true;
@@ -32,14 +40,19 @@ class EarClipper {
     }
     // Turning left everywhere is convex only if the outline goes round once; a fan that nowhere turns right proves it.
     for (std::size_t i = 1; convex && i + 1 < n; ++i) convex = turn(flat_[0], flat_[i], flat_[i + 1]) >= 0;
-    if (convex) return false;
+    if (convex) return Result::fan;
+    if (n > max_ear_clipping) return Result::too_large;
 
     std::size_t left = n;
     std::size_t at = 0;
     std::size_t tried = 0;
+    bool forced = false;
+    looks_ = 0;
     while (left > 3) {
       // After a full round without an ear (the outline crosses itself) any corner has to do.
-      if (tried >= left || is_ear(at)) {
+      const bool force = tried >= left || looks_ > max_looks;
+      if (force || is_ear(at)) {
+        forced = forced || force;
         *out++ = {corners[previous_[at]], corners[at], corners[next_[at]]};
         next_[previous_[at]] = next_[at];
         previous_[next_[at]] = previous_[at];
@@ -51,7 +64,8 @@ class EarClipper {
       at = next_[at];
     }
     *out = {corners[previous_[at]], corners[at], corners[next_[at]]};
-    return true;
+    forced = forced || turn(flat_[previous_[at]], flat_[at], flat_[next_[at]]) < 0;
+    return forced ? Result::forced : Result::clipped;
   }
 
  private:
@@ -76,13 +90,14 @@ class EarClipper {
     return true;
   }
 
-  bool is_ear(std::size_t at) const {
+  bool is_ear(std::size_t at) {
     const Vec2& a = flat_[previous_[at]];
     const Vec2& b = flat_[at];
     const Vec2& c = flat_[next_[at]];
     if (!(turn(a, b, c) > 0)) return false;
     for (std::size_t i = next_[next_[at]]; i != previous_[at]; i = next_[i]) {
       const Vec2& p = flat_[i];
+      ++looks_;
       if (p == a || p == b || p == c) continue;  // the two sides of a slit share points
       if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
     }
@@ -91,6 +106,7 @@ class EarClipper {
 
   std::vector<Vec2> flat_;
   std::vector<std::size_t> previous_, next_;
+  std::size_t looks_ = 0;
 };
 
 }  // namespace
@@ -112,21 +128,24 @@ std::size_t PolygonCollector::add(std::span<const std::uint32_t> corners) {
 
 void PolygonCollector::finish(Soup& soup, MeshFileInfo& info, Context& context) {
   EarClipper clipper;
-  std::uint64_t large = 0;
+  std::uint64_t large = 0, forced = 0;
   for (std::size_t i = 0; i < polygons_.size(); ++i) {
     if (i % 1024 == 0) context.checkpoint();
     const Polygon& polygon = polygons_[i];
-    large += polygon.size > max_ear_clipping;
-    clipper.run({corners_.data() + polygon.first_corner, polygon.size}, soup.points,
-                triangles_.data() + polygon.first_triangle);
+    const auto result = clipper.run({corners_.data() + polygon.first_corner, polygon.size}, soup.points,
+                                    triangles_.data() + polygon.first_triangle);
+    large += result == EarClipper::Result::too_large;
+    forced += result == EarClipper::Result::forced;
   }
   soup.triangles = std::move(triangles_);
   info.polygons = faces_;
   info.polygons_split = polygons_.size();
   if (large > 0)
+    info.notes.push_back(fmt::format("{} concave polygons of more than {} corners were cut into fans, which overlap",
+                                     large, max_ear_clipping));
+  if (forced > 0)
     info.notes.push_back(
-        fmt::format("{} polygons of more than {} corners were cut into fans, right only if they are convex", large,
-                    max_ear_clipping));
+        fmt::format("{} polygons whose outline crosses itself were cut into triangles that overlap", forced));
   if (too_small_ > 0)
     info.notes.push_back(fmt::format("{} faces of fewer than three corners (points, edges) were left out", too_small_));
 }

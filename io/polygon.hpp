@@ -11,9 +11,10 @@ namespace tri::io_detail {
 
 /// Collects the faces of a file and cuts polygons into triangles once all points are known.
 ///
-/// A polygon of n >= 3 corners becomes n-2 consecutive triangles. One that is convex (and one that is degenerate, or
-/// has more than 2000 corners) becomes a fan around its first corner; any other is cut by ear clipping in its mean
-/// plane [Newell's normal], with the orientation of the polygon.
+/// A polygon of n >= 3 corners becomes n-2 consecutive triangles. One that is convex or has no area becomes a fan
+/// around its first corner; any other is cut by ear clipping in its mean plane [Newell's normal], with the orientation
+/// of the polygon. Where that cannot be right (an outline that crosses itself, a concave one of more than 2000 corners)
+/// a note says so.
 class PolygonCollector {
  public:
   /// Adds one face. @param corners vertex indices, in order @return number of triangles it became: 0 with fewer than 3

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "mesh_io_helpers.hpp"
 
 using namespace tri;
@@ -69,6 +71,22 @@ TEST_CASE("off: a polygon with a hole joined by a slit is cut without overlap, i
     CHECK(area == doctest::Approx(12));
     CHECK(signed_area == doctest::Approx(12));
   }
+}
+
+TEST_CASE("off: an outline that crosses itself or is too large is cut all the same, with a note") {
+  MeshFileInfo info;
+  const Soup bow = parsed("OFF\n4 1 0\n0 0 0\n2 2 0\n2 0 0\n0 1 0\n4 0 1 2 3\n", "a.off", &info);
+  CHECK(bow.triangles.size() == 2);
+  CHECK(has_note(info.notes, "crosses itself"));
+
+  std::string star = "OFF\n5000 1 0\n", face = "5000";
+  for (int i = 0; i < 5000; ++i) {
+    const double radius = i % 2 ? 1 : 2, angle = i * 2 * 3.14159265358979 / 5000;
+    star += std::to_string(radius * std::cos(angle)) + " " + std::to_string(radius * std::sin(angle)) + " 0\n";
+    (face += ' ') += std::to_string(i);
+  }
+  CHECK(parsed(star + face + "\n", "a.off", &info).triangles.size() == 4998);
+  CHECK(has_note(info.notes, "more than 2000 corners"));
 }
 
 TEST_CASE("off: colours count to 255 or to 1, normals come before them") {
