@@ -104,6 +104,7 @@ int main(int argc, char** argv) {
       "  tri render lid.ply -o lid.png --edges");
   Program program;
 #ifdef TRI_WITH_CAD
+  add_triangulate_command(app, program);
   add_sample_command(app, program);
   add_model_command(app, program);
 #endif

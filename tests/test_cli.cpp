@@ -47,7 +47,7 @@ void check_refused(const Outcome& outcome, int exit_code) {
 std::vector<std::string> commands() {
   std::vector<std::string> names{"info", "run", "ops", "render"};
 #ifdef TRI_WITH_CAD
-  names.insert(names.end(), {"sample", "model"});
+  names.insert(names.end(), {"triangulate", "sample", "model"});
 #endif
   return names;
 }

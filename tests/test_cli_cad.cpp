@@ -122,3 +122,103 @@ TEST_CASE("tri: an interrupt ends a command with 130 and without output") {
   CHECK(outcome.exit_code == 130);
   CHECK(folder.entries() == std::vector<std::string>{"cap.step"});
 }
+
+namespace {
+
+// A part and 1500 points on it.
+void make_measurement(const TemporaryFolder& folder) {
+  REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"sample", "--cad", "cap.step", "-n", "1500", "--no-truth", "-o", "cap.xyz"}, folder.path()).exit_code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("tri triangulate: every point becomes a vertex of one mesh with the model's topology, and the report says so") {
+  const TemporaryFolder folder;
+  make_measurement(folder);
+  const Outcome outcome = run_tri({"triangulate", "--cad", "cap.step", "cap.xyz", "-o", "cap.ply", "--report", "report.json"},
+                                  folder.path());
+  CAPTURE(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.err.empty());  // no progress, as this is no terminal
+  const json report = json::parse(file_bytes(folder / "report.json"));
+  for (const char* key : {"points", "outliers", "faces", "unmeasured_faces", "holes", "unusable_faces", "topology", "method",
+                          "seconds", "version", "options"})
+    CHECK_MESSAGE(report.contains(key), key);
+  for (const char* key : {"model", "mesh"})
+    for (const char* number : {"components", "loops", "euler"}) CHECK(report["topology"][key].contains(number));
+  CHECK(report["points"] == 1500);
+  CHECK(report["faces"].size() == 1);
+  CHECK(report["faces"][0]["points"] == 1500);
+  CHECK(report["outliers"].empty());
+  const json info = parsed(run_tri({"info", "cap.ply", "--json"}, folder.path()));
+  CHECK(info["vertices"] == 1500);
+  CHECK(info["unused_vertices"] == 0);
+  CHECK(info["components"] == 1);
+  CHECK(info["boundary_loops"] == 1);
+  CHECK(info["euler"] == 1);
+  CHECK((info["manifold"] == true && info["oriented"] == true));
+  for (const char* property : {"point_index", "cad_face", "u", "v", "deviation"})
+    CHECK_MESSAGE(std::count(info["vertex_properties"].begin(), info["vertex_properties"].end(), property) == 1, property);
+}
+
+TEST_CASE("tri triangulate: wrong usage is refused with 2 before any file is opened") {
+  const TemporaryFolder folder;
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{"--method", "magic"},
+                                                                                    {"--unmeasured", "maybe"},
+                                                                                    {"--hole-size", "0"},
+                                                                                    {"--hole-size", "inf"},
+                                                                                    {"--noise", "-1"},
+                                                                                    {"--patches", "a.what"},
+                                                                                    {"--reprot", "a.json"}}) {
+    std::vector<std::string> arguments{"triangulate", "--cad", "missing.step", "missing.xyz", "-o", "a.ply"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_tri(arguments, folder.path());
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == 2);
+    CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+  }
+  CHECK(run_tri({"triangulate", "missing.xyz", "-o", "a.ply"}, folder.path()).exit_code == 2);
+  CHECK(folder.entries().empty());
+}
+
+TEST_CASE("tri triangulate: bad points are refused with the documented code and leave no output") {
+  const TemporaryFolder folder;
+  make_measurement(folder);
+  folder.make("empty.xyz", "");
+  folder.make("garbage.xyz", std::string(4000, '\xb1'));
+  folder.make("nan.xyz", "0 0 0\n1 nan 0\n0 1 0\n1 1 0\n");
+  folder.make("infinite.xyz", "0 0 0\n1 inf 0\n0 1 0\n1 1 0\n");
+  folder.make("two.xyz", "0 0 1\n1 0 1\n");
+  folder.make("truncated.ply", "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\nproperty float z\n"
+                               "end_header\n0 0 0\n");
+  std::string far, equal;
+  for (int i = 0; i < 50; ++i) {
+    far += std::to_string(10000 + i % 7) + " " + std::to_string(i % 5) + " " + std::to_string(i % 3) + "\n";
+    equal += "0 0 1\n";
+  }
+  folder.make("far.xyz", far);
+  folder.make("equal.xyz", equal);
+  const auto before = folder.entries().size();
+  for (const auto& [points, code] : std::vector<std::pair<const char*, int>>{{"missing.xyz", 3},
+                                                                             {"empty.xyz", 3},
+                                                                             {"garbage.xyz", 3},
+                                                                             {"nan.xyz", 3},
+                                                                             {"infinite.xyz", 3},
+                                                                             {"truncated.ply", 3},
+                                                                             {"two.xyz", 1},
+                                                                             {"far.xyz", 1},
+                                                                             {"equal.xyz", 1}}) {
+    CAPTURE(points);
+    const Outcome outcome =
+        run_tri({"triangulate", "--cad", "cap.step", points, "-o", "a.ply", "--report", "a.json"}, folder.path());
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == code);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err.starts_with("tri: "));
+    CHECK(folder.entries().size() == before);
+  }
+  for (const char* output : {"missing/a.ply", "/dev/null/a.ply"})
+    CHECK(run_tri({"triangulate", "--cad", "cap.step", "cap.xyz", "-o", output}, folder.path()).exit_code == 3);
+  CHECK(folder.entries().size() == before);
+}

@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "cli/commands.hpp"
+#include "cli/triangulate_report.hpp"
+#include "io/cad_file.hpp"
+#include "io/json_file.hpp"
+#include "io/mesh_file.hpp"
+#include "io/points_file.hpp"
+#include "libtri/triangulate.hpp"
+#include "meshops/to_soup.hpp"
+
+namespace tri::cli {
+namespace {
+
+struct Arguments {
+  std::string cad, points, output, report, patches, method = "auto", unmeasured = "hole";
+  double hole_size = 3, noise = 0, outlier_distance = 0, sew = 0.01, units = 1;
+  bool ascii = false, json = false;
+};
+
+nlohmann::ordered_json options_json(const Arguments& a) {
+  nlohmann::ordered_json json{{"cad", a.cad},
+                              {"points", a.points},
+                              {"method", a.method},
+                              {"unmeasured", a.unmeasured},
+                              {"hole_size", a.hole_size},
+                              {"sew", a.sew},
+                              {"units", a.units},
+                              {"outlier_distance", nullptr}};
+  if (a.outlier_distance > 0) json["outlier_distance"] = a.outlier_distance;
+  return json;
+}
+
+TriangulateOptions options_of(const Arguments& a) {
+  TriangulateOptions options;
+  options.method = a.method == "patches" ? Method::patches : a.method == "shell" ? Method::shell : Method::automatic;
+  options.unmeasured = a.unmeasured == "span" ? Unmeasured::span : Unmeasured::hole;
+  options.hole_size = a.hole_size;
+  if (a.outlier_distance > 0) options.outlier_distance = a.outlier_distance;
+  options.keep_patches = !a.patches.empty();
+  return options;
+}
+
+// The CAD model; what the reader could not use is said at once.
+CadModel read_model(const Arguments& a, Program& program) {
+  const CadFile file = read_cad(a.cad, program.context);
+  CadModel model = make_cad_model(file.shape, a.sew);
+  const auto note = [&](const std::string& text) {
+    if (!program.quiet) print_note(a.cad + ": " + text);
+  };
+  for (const FailedEntity& entity : file.failed) note(fmt::format("{} was not read: {}", entity.entity, entity.reason));
+  for (const std::string& warning : model.warnings) note(warning);
+  return model;
+}
+
+void write(const std::string& path, Mesh& mesh, const Arguments& a, Program& program) {
+  const MeshWriteReport written = write_mesh(path, to_soup(view_of(mesh)), {.ascii = a.ascii}, program.context);
+  if (program.quiet) return;
+  for (const std::string& note : written.notes) print_note(path + ": " + note);
+}
+
+int run(const Arguments& a, Program& program) {
+  Context& context = program.context;
+  for (const std::string& path : {a.output, a.report, a.patches})
+    if (!path.empty()) check_output(path);
+  const CadModel model = read_model(a, program);
+  PointSet set = read_points(a.points, context);
+  if (a.units != 1)
+    for (Vec3& p : set.points) p *= a.units;
+  TriangulateResult result = triangulate(model, set.points, options_of(a), context);
+  context.checkpoint();  // from here on the files are written one after another
+
+  const auto report = triangulate_report(result, model, set.points.size(), options_json(a));
+  if (result.patches) write(a.patches, *result.patches, a, program);
+  write(a.output, result.mesh, a, program);
+  if (!a.report.empty()) write_json(a.report, report);
+  if (a.json)
+    print_result(report);
+  else
+    print_result(triangulate_summary(result, model, set.points.size()) + fmt::format("{}: the mesh\n", a.output) +
+                 (result.patches ? fmt::format("{}: the mesh before stitching\n", a.patches) : "") +
+                 (a.report.empty() ? "" : fmt::format("{}: the report\n", a.report)));
+  return exit_done;
+}
+
+}  // namespace
+
+void add_triangulate_command(CLI::App& app, Program& program) {
+  auto* command = app.add_subcommand("triangulate", "Make one mesh of a CAD file and unordered points measured on the part");
+  const auto a = std::make_shared<Arguments>();
+  command->add_option("--cad", a->cad, "CAD model: IGES, STEP or BREP")->required()->type_name("FILE");
+  command->add_option("points", a->points, "Measured points in the model's frame: XYZ, ASC, CSV, TXT, PLY or PCD, in any order")
+      ->required();
+  command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation), .stl, .obj, .off")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--report", a->report, "Write what was made and what is missing, as JSON")->type_name("FILE");
+  command->add_option("--patches", a->patches, "Also write the mesh before stitching: one patch for each CAD face")
+      ->type_name("FILE");
+  command->add_option("--method", a->method, "patches: Delaunay on each face, stitched at the edges; shell: insertion into the "
+                                             "model's own triangulation; auto: the better by its own checks")
+      ->check(CLI::IsMember({"auto", "patches", "shell"}))
+      ->capture_default_str();
+  command->add_option("--unmeasured", a->unmeasured, "Where nothing was measured: leave a hole, or span it by long triangles")
+      ->check(CLI::IsMember({"hole", "span"}))
+      ->capture_default_str();
+  command->add_option("--hole-size", a->hole_size, "A gap is a hole when it holds a disc of more than so many local point "
+                                                   "spacings in radius")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--noise", a->noise, "Standard deviation of the measurement in mm: points farther than 6 of them from "
+                                           "the model are outliers")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--outlier-distance", a->outlier_distance,
+                      "Points farther than this from the model, in mm, are outliers; default: by the points' own spread")
+      ->check(CLI::PositiveNumber)
+      ->excludes("--noise");
+  command->add_option("--units", a->units, "Millimetres per unit of the points file: 1000 for metres, 25.4 for inches")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--sew", a->sew, "Distance in mm at which loose CAD faces are joined")
+      ->check(CLI::Range(1e-9, 1e9))
+      ->capture_default_str();
+  command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");
+  command->add_flag("--json", a->json, "The report on standard output");
+  add_common_options(*command, program);
+  command->footer(
+      "Every point that is not reported as an outlier is a vertex, once, at its measured position. A region without\n"
+      "points stays open and is named in the report; that is a result, not a failure.\n\n"
+      "Examples:\n"
+      "  tri triangulate --cad lid.igs lid.xyz -o lid.ply --report lid.json\n"
+      "  tri triangulate --cad part.step scan.csv -o part.stl --unmeasured span\n"
+      "  tri triangulate --cad lid.igs lid.xyz -o lid.ply --method patches --patches patches.ply");
+  command->callback([a, &program] {
+    require_extension(a->output, mesh_extensions, "the mesh");
+    if (!a->patches.empty()) require_extension(a->patches, mesh_extensions, "the mesh before stitching");
+    for (const double value : {a->hole_size, a->noise, a->outlier_distance, a->units})
+      if (!std::isfinite(value)) throw UsageError("an option is not a finite number");
+    if (a->noise > 0) a->outlier_distance = 6 * a->noise;
+    program.action = [a, &program] { return run(*a, program); };
+  });
+}
+
+}  // namespace tri::cli
