@@ -37,8 +37,8 @@ std::vector<Side> sides_of(std::span<const VertexTriple> triangles) {
   return sides;
 }
 
-/// The number of fans that the wedges of one vertex make; a huge number if one of several is closed, since no circulator
-/// could reach the others. Every edge is the start of at most one wedge and the end of at most one.
+/// The number of fans that the wedges of one vertex make; a huge number if one of several is closed, since no
+/// circulator could reach the others. Every edge is the start of at most one wedge and the end of at most one.
 int count_fans(std::vector<Wedge>& wedges) {
   int fans = 0;
   bool closed = false;
@@ -49,8 +49,10 @@ int count_fans(std::vector<Wedge>& wedges) {
       grown = false;
       for (std::size_t i = 0; i < wedges.size(); ++i) {
         if (wedges[i].from != fan.to && wedges[i].to != fan.from) continue;
-        if (wedges[i].from == fan.to) fan.to = wedges[i].to;
-        else fan.from = wedges[i].from;
+        if (wedges[i].from == fan.to)
+          fan.to = wedges[i].to;
+        else
+          fan.from = wedges[i].from;
         wedges[i] = wedges.back();
         wedges.pop_back();
         grown = true;
@@ -113,10 +115,14 @@ void link_boundary(OpenMesh::TriConnectivity& mesh, VertexHandle v, const std::v
 
 std::string_view to_string(FitResult result) {
   switch (result) {
-    case FitResult::fits: return "fits";
-    case FitResult::degenerate: return "degenerate triangle";
-    case FitResult::edge_in_use: return "edge in use";
-    case FitResult::vertex_not_manifold: return "vertex not manifold";
+    case FitResult::fits:
+      return "fits";
+    case FitResult::degenerate:
+      return "degenerate triangle";
+    case FitResult::edge_in_use:
+      return "edge in use";
+    case FitResult::vertex_not_manifold:
+      return "vertex not manifold";
   }
   return "";
 }
@@ -132,7 +138,8 @@ FitResult check_faces(MeshView view, std::span<const VertexTriple> triangles) {
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const Side& s = sides[i];
     if (i > 0 && sides[i - 1].same_edge(s) && sides[i - 1].forward == s.forward) return FitResult::edge_in_use;
-    const HalfedgeHandle h = mesh.find_halfedge(VertexHandle(s.forward ? s.low : s.high), VertexHandle(s.forward ? s.high : s.low));
+    const HalfedgeHandle h =
+        mesh.find_halfedge(VertexHandle(s.forward ? s.low : s.high), VertexHandle(s.forward ? s.high : s.low));
     if (h.is_valid() && mesh.face_handle(h).is_valid()) return FitResult::edge_in_use;
   }
   const auto corners = corners_of(triangles);
@@ -143,7 +150,8 @@ FitResult check_faces(MeshView view, std::span<const VertexTriple> triangles) {
     if (!mesh.is_isolated(v))
       for (auto it = mesh.cvoh_iter(v); it.is_valid(); ++it)
         if (mesh.face_handle(*it).is_valid())
-          wedges.push_back({mesh.to_vertex_handle(*it).idx(), mesh.to_vertex_handle(mesh.next_halfedge_handle(*it)).idx()});
+          wedges.push_back(
+              {mesh.to_vertex_handle(*it).idx(), mesh.to_vertex_handle(mesh.next_halfedge_handle(*it)).idx()});
     before = wedges;
     for (; i < corners.size() && corners[i].first == v.idx(); ++i) wedges.push_back(corners[i].second);
     const int fans = count_fans(wedges);

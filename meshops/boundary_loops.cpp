@@ -4,7 +4,8 @@ namespace tri {
 namespace {
 
 bool is_live_boundary(const OpenMesh::TriConnectivity& mesh, HalfedgeHandle h) {
-  return mesh.is_boundary(h) && !mesh.status(mesh.edge_handle(h)).deleted() && mesh.face_handle(mesh.opposite_halfedge_handle(h)).is_valid();
+  return mesh.is_boundary(h) && !mesh.status(mesh.edge_handle(h)).deleted() &&
+         mesh.face_handle(mesh.opposite_halfedge_handle(h)).is_valid();
 }
 
 Vec3 vector_area(const std::vector<Vec3>& ring) {

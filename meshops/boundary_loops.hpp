@@ -8,8 +8,8 @@ namespace tri {
 
 /// One closed run of boundary half-edges.
 struct BoundaryLoop {
-  /// Boundary half-edges, each the `next` of the one before; they have no face on their left, so the loop runs clockwise around
-  /// the outside of a sheet seen from its front. The first is the one of lowest index.
+  /// Boundary half-edges, each the `next` of the one before; they have no face on their left, so the loop runs
+  /// clockwise around the outside of a sheet seen from its front. The first is the one of lowest index.
   std::vector<HalfedgeHandle> halfedges;
   /// Where each half-edge starts; the first position is not repeated.
   std::vector<Vec3> polyline;
@@ -25,11 +25,11 @@ std::vector<std::vector<HalfedgeHandle>> boundary_cycles(MeshView mesh);
 
 /// Every boundary loop with what it is in its component.
 ///
-/// The outer loop is the one that encloses most of the component's sheet: of the loops' vector areas (half the sum of cross products,
-/// taken in the direction in which the faces run) it is the one that reaches farthest along the component's own vector area, the
-/// sum of its face normals times areas. A nested loop (a hole) reaches against it, or less far. Where the component's vector area
-/// is below 1e-6 of its area (a tube, open at both ends) the longest loop is the outer one. Ties go to the first loop.
-/// Deleted elements are passed over. Linear time.
+/// The outer loop is the one that encloses most of the component's sheet: of the loops' vector areas (half the sum of
+/// cross products, taken in the direction in which the faces run) it is the one that reaches farthest along the
+/// component's own vector area, the sum of its face normals times areas. A nested loop (a hole) reaches against it, or
+/// less far. Where the component's vector area is below 1e-6 of its area (a tube, open at both ends) the longest loop
+/// is the outer one. Ties go to the first loop. Deleted elements are passed over. Linear time.
 std::vector<BoundaryLoop> boundary_loops(MeshView mesh);
 
 /// Component of every face, 0-based, joined by edges, numbered by lowest face index; -1 for a deleted face.

@@ -11,8 +11,13 @@ using Diagonal = std::pair<int, int>;
 
 class ContourStrip {
  public:
-  ContourStrip(std::span<const Vec3> first, std::span<const Vec3> second, const std::function<bool(int, int, ContourStep)>& allowed)
-      : first_(first), second_(second), allowed_(allowed), m_(static_cast<int>(first.size()) - 1), n_(static_cast<int>(second.size()) - 1) {}
+  ContourStrip(std::span<const Vec3> first, std::span<const Vec3> second,
+               const std::function<bool(int, int, ContourStep)>& allowed)
+      : first_(first),
+        second_(second),
+        allowed_(allowed),
+        m_(static_cast<int>(first.size()) - 1),
+        n_(static_cast<int>(second.size()) - 1) {}
 
   std::optional<std::vector<ContourStep>> run() {
     if (m_ < 0 || n_ < 0 || m_ + n_ < 1) return std::nullopt;
@@ -29,7 +34,8 @@ class ContourStrip {
     std::vector<ContourStep> steps;
     int i = 0, j = 0;
     while (i < m_ || j < n_) {
-      const bool a = i < m_ && may(i, j, ContourStep::first, asked), b = j < n_ && may(i, j, ContourStep::second, asked);
+      const bool a = i < m_ && may(i, j, ContourStep::first, asked),
+                 b = j < n_ && may(i, j, ContourStep::second, asked);
       if (!a && !b) return std::nullopt;
       if (a && (!b || diagonal(i + 1, j) <= diagonal(i, j + 1))) {
         steps.push_back(ContourStep::first);
@@ -61,7 +67,8 @@ class ContourStrip {
     std::vector<Diagonal> result{{0, 0}};
     for (int a = 0; a <= m_; ++a) {
       const int b = of_first[a].second;
-      if (of_second[b].second == a && a > result.back().first && b > result.back().second && a < m_ && b < n_) result.push_back({a, b});
+      if (of_second[b].second == a && a > result.back().first && b > result.back().second && a < m_ && b < n_)
+        result.push_back({a, b});
     }
     result.push_back({m_, n_});
     return result;
@@ -84,14 +91,16 @@ class ContourStrip {
       };
       int i = i0, j = j0;
       while (i < i1 || j < j1) {
-        const bool a = i < i1 && may(i, j, ContourStep::first, true), b = j < j1 && may(i, j, ContourStep::second, true);
+        const bool a = i < i1 && may(i, j, ContourStep::first, true),
+                   b = j < j1 && may(i, j, ContourStep::second, true);
         if (!a && !b) return std::nullopt;
         bool take_first = a;
         if (a && b) {
           const double off_first = std::abs(share(s, i0, i1, i + 1) - share(t, j0, j1, j));
           const double off_second = std::abs(share(s, i0, i1, i) - share(t, j0, j1, j + 1));
           // Equal but for rounding: the shorter diagonal.
-          take_first = std::abs(off_first - off_second) > 1e-12 ? off_first < off_second : diagonal(i + 1, j) <= diagonal(i, j + 1);
+          take_first = std::abs(off_first - off_second) > 1e-12 ? off_first < off_second
+                                                                : diagonal(i + 1, j) <= diagonal(i, j + 1);
         }
         steps.push_back(take_first ? ContourStep::first : ContourStep::second);
         ++(take_first ? i : j);
@@ -107,8 +116,9 @@ class ContourStrip {
 
 }  // namespace
 
-std::optional<std::vector<ContourStep>> triangulate_contours(std::span<const Vec3> first, std::span<const Vec3> second,
-                                                             const std::function<bool(int, int, ContourStep)>& allowed) {
+std::optional<std::vector<ContourStep>> triangulate_contours(
+    std::span<const Vec3> first, std::span<const Vec3> second,
+    const std::function<bool(int, int, ContourStep)>& allowed) {
   return ContourStrip(first, second, allowed).run();
 }
 

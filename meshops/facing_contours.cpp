@@ -10,9 +10,10 @@
 namespace tri {
 namespace {
 
-constexpr double widest_base_angle = 165 * std::numbers::pi / 180;  // beyond, a step runs along the contour instead of across the gap
-constexpr double lone_base_angle = 120 * std::numbers::pi / 180;    // the same where the other contour has turned away
-constexpr double least_common_course = 0.6;                         // cosine; below, a contour turns away, as at a corner
+constexpr double widest_base_angle =
+    165 * std::numbers::pi / 180;  // beyond, a step runs along the contour instead of across the gap
+constexpr double lone_base_angle = 120 * std::numbers::pi / 180;  // the same where the other contour has turned away
+constexpr double least_common_course = 0.6;                       // cosine; below, a contour turns away, as at a corner
 
 Vec3 unit(const Vec3& v) {
   const double length = v.norm();
@@ -35,13 +36,15 @@ Vec3 face_normal(MeshView view, FaceHandle f) {
   return unit((b - a) % (c - a));
 }
 
-double angle(const Vec3& a, const Vec3& b) { return std::atan2((a % b).norm(), a | b); }
+double angle(const Vec3& a, const Vec3& b) {
+  return std::atan2((a % b).norm(), a | b);
+}
 
 /// One end of a run that grows: the current diagonal and the next base on either side.
 struct Front {
-  VertexHandle p, q;            ///< the diagonal, first and second contour
+  VertexHandle p, q;              ///< the diagonal, first and second contour
   HalfedgeHandle p_base, q_base;  ///< boundary half-edges to be covered next
-  bool forward = true;          ///< in the direction of the first contour's half-edges
+  bool forward = true;            ///< in the direction of the first contour's half-edges
 };
 
 }  // namespace
@@ -142,7 +145,8 @@ std::vector<FacingContours::Seed> FacingContours::seeds() const {
     return a.first < b.first;
   });
   std::vector<Seed> result;
-  for (const Candidate& c : candidates) result.push_back({stations[c.first].halfedge, stations[c.second].halfedge, c.nearness});
+  for (const Candidate& c : candidates)
+    result.push_back({stations[c.first].halfedge, stations[c.second].halfedge, c.nearness});
   return result;
 }
 
@@ -159,7 +163,9 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
     return to == near ? mesh.from_vertex_handle(base) : to;
   };
   // The next base on the same contour, away from the seed.
-  const auto beyond = [&](HalfedgeHandle base, bool along) { return along ? mesh.next_halfedge_handle(base) : mesh.prev_halfedge_handle(base); };
+  const auto beyond = [&](HalfedgeHandle base, bool along) {
+    return along ? mesh.next_halfedge_handle(base) : mesh.prev_halfedge_handle(base);
+  };
   const auto midpoint = [&](VertexHandle a, VertexHandle b) { return 0.5 * (view_.point(a) + view_.point(b)); };
 
   // Where a contour is heading: over one edge, and over two, which is steadier where it is ragged.
@@ -168,12 +174,14 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
   };
   const auto course = [&](HalfedgeHandle base, VertexHandle near, bool along) -> Course {
     const VertexHandle middle = far_end(base, near);
-    return {unit(view_.point(middle) - view_.point(near)), unit(view_.point(far_end(beyond(base, along), middle)) - view_.point(near))};
+    return {unit(view_.point(middle) - view_.point(near)),
+            unit(view_.point(far_end(beyond(base, along), middle)) - view_.point(near))};
   };
   const auto turns_away = [&](const Course& own, const Course& other, const Vec3& strip) {
     return std::max({own.one | strip, own.two | strip, own.one | other.one, own.two | other.two}) < least_common_course;
   };
-  // Whether a vertex of another stretch of boundary lies between the ends of a diagonal, which it would be the first to join.
+  // Whether a vertex of another stretch of boundary lies between the ends of a diagonal, which it would be the first to
+  // join.
   const auto crowded = [&](VertexHandle a, VertexHandle b, const Front& front) {
     const Vec3 center = midpoint(a, b);
     const double radius = 0.5 * (view_.point(a) - view_.point(b)).norm();
@@ -187,7 +195,8 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
         for (int side = 0; side < 2; ++side) {
           HalfedgeHandle forward = side == 0 ? front.p_base : front.q_base, backward = forward;
           for (int step = 0; step < 4; ++step) {
-            for (const HalfedgeHandle h : {forward, backward}) near.push_back(mesh.from_vertex_handle(h)), near.push_back(mesh.to_vertex_handle(h));
+            for (const HalfedgeHandle h : {forward, backward})
+              near.push_back(mesh.from_vertex_handle(h)), near.push_back(mesh.to_vertex_handle(h));
             forward = mesh.next_halfedge_handle(forward);
             backward = mesh.prev_halfedge_handle(backward);
           }
@@ -204,7 +213,8 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
     VertexHandle next;
   };
   // The triangle over `base`, which starts at `near`, with its apex on the other contour.
-  const auto look = [&](HalfedgeHandle base, VertexHandle near, VertexHandle apex, double widest, const Front& front) -> Step {
+  const auto look = [&](HalfedgeHandle base, VertexHandle near, VertexHandle apex, double widest,
+                        const Front& front) -> Step {
     Step step;
     if (!free(base) || used.count(base.idx())) return step;
     step.next = far_end(base, near);
@@ -231,13 +241,17 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
     bool p_round = false, q_round = false;  // back at the seed
     std::vector<Vec3> trail{midpoint(front.p, front.q)};
     for (;;) {
-      const Course p_course = course(front.p_base, front.p, front.forward), q_course = course(front.q_base, front.q, !front.forward);
-      const Vec3 strip = trail.size() < 3 ? unit(p_course.two + q_course.two) : unit(trail.back() - trail[trail.size() - 3]);
+      const Course p_course = course(front.p_base, front.p, front.forward),
+                   q_course = course(front.q_base, front.q, !front.forward);
+      const Vec3 strip =
+          trail.size() < 3 ? unit(p_course.two + q_course.two) : unit(trail.back() - trail[trail.size() - 3]);
       const bool p_ends = p_round || !free(front.p_base) || turns_away(p_course, q_course, strip);
       const bool q_ends = q_round || !free(front.q_base) || turns_away(q_course, p_course, strip);
       Step p, q;
-      if (!p_ends) p = look(front.p_base, front.p, front.q, q_ends && !q_round ? lone_base_angle : widest_base_angle, front);
-      if (!q_ends) q = look(front.q_base, front.q, front.p, p_ends && !p_round ? lone_base_angle : widest_base_angle, front);
+      if (!p_ends)
+        p = look(front.p_base, front.p, front.q, q_ends && !q_round ? lone_base_angle : widest_base_angle, front);
+      if (!q_ends)
+        q = look(front.q_base, front.q, front.p, p_ends && !p_round ? lone_base_angle : widest_base_angle, front);
       // The last step of a closed pair comes back to the seed's own diagonal, which is no edge yet.
       if (!p.valid && !q.valid) return false;
       const bool take_p = p.valid && (!q.valid || p.diagonal <= q.diagonal);

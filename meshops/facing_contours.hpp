@@ -12,8 +12,8 @@ namespace tri {
 
 class PointTree;
 
-/// Two stretches of boundary found to face each other, both running the same way in space: `first` along its boundary half-edges,
-/// `second` against its own. Of a closed pair the first vertex is repeated at the end.
+/// Two stretches of boundary found to face each other, both running the same way in space: `first` along its boundary
+/// half-edges, `second` against its own. Of a closed pair the first vertex is repeated at the end.
 struct ContourRun {
   std::vector<VertexHandle> first;
   std::vector<VertexHandle> second;
@@ -23,12 +23,14 @@ struct ContourRun {
 /// How far and how bent a gap may be.
 struct FacingLimits {
   double max_gap = 3;  ///< times the local spacing (the larger of both sides)
-  double max_distance = std::numeric_limits<double>::infinity();  ///< model units; takes the place of `max_gap` when finite
-  double max_turn = 130 * std::numbers::pi / 180;                 ///< [rad] between a new triangle and the face beside it
+  double max_distance =
+      std::numeric_limits<double>::infinity();     ///< model units; takes the place of `max_gap` when finite
+  double max_turn = 130 * std::numbers::pi / 180;  ///< [rad] between a new triangle and the face beside it
 };
 
-/// Finds stretches of boundary that face each other across a gap: near to each other, running against each other, each on the open side of the other
-/// or abreast of it. Works on the mesh as it is at each call, so faces may be added between calls.
+/// Finds stretches of boundary that face each other across a gap: near to each other, running against each other, each
+/// on the open side of the other or abreast of it. Works on the mesh as it is at each call, so faces may be added
+/// between calls.
 class FacingContours {
  public:
   /// @param spacing  `local_spacing` of the mesh, by vertex index; must outlive this object.
@@ -41,12 +43,12 @@ class FacingContours {
     double nearness = 0;  ///< distance over the largest allowed; below 1
   };
 
-  /// For every boundary vertex the nearest one that faces it; mutual ones first, then by nearness. O(n log n) for n boundary vertices.
-  /// Starts that lie in the same place are passed over (that is for `weld`).
+  /// For every boundary vertex the nearest one that faces it; mutual ones first, then by nearness. O(n log n) for n
+  /// boundary vertices. Starts that lie in the same place are passed over (that is for `weld`).
   std::vector<Seed> seeds() const;
 
-  /// The stretch around a seed, grown both ways as long as the contours keep facing each other; empty if the mesh changed there so that the seed
-  /// faces nothing any more. Linear in the stretch.
+  /// The stretch around a seed, grown both ways as long as the contours keep facing each other; empty if the mesh
+  /// changed there so that the seed faces nothing any more. Linear in the stretch.
   std::optional<ContourRun> grow(const Seed& seed) const;
 
   /// The longest diagonal allowed between two vertices, model units.
@@ -60,8 +62,8 @@ class FacingContours {
   std::unique_ptr<PointTree> tree_;
 };
 
-/// Angle [rad] between the normal of triangle (a, b, c) and that of the face on the other side of `base`; pi if the triangle has
-/// no area, 0 if the face has none.
+/// Angle [rad] between the normal of triangle (a, b, c) and that of the face on the other side of `base`; pi if the
+/// triangle has no area, 0 if the face has none.
 double turn_at(MeshView mesh, HalfedgeHandle base, VertexHandle a, VertexHandle b, VertexHandle c);
 
 }  // namespace tri

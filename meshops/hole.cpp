@@ -48,7 +48,8 @@ bool Hole::around_single_triangle() const {
 bool Hole::rim_of_sheet(std::size_t component_faces) const {
   if (size() <= 6 && component_faces > 24) return false;
   Vec3 across(0, 0, 0);
-  for (std::size_t i = 1; i + 1 < points_.size(); ++i) across += (points_[i] - points_[0]) % (points_[i + 1] - points_[0]);
+  for (std::size_t i = 1; i + 1 < points_.size(); ++i)
+    across += (points_[i] - points_[0]) % (points_[i + 1] - points_[0]);
   across = unit(across);
   double sum = 0, length = 0;
   for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -108,7 +109,8 @@ Vec3 Hole::face_normal(FaceHandle f) const {
 
 std::vector<Vec3> Hole::edge_normals() const {
   std::vector<Vec3> normals;
-  for (const HalfedgeHandle h : rim_) normals.push_back(face_normal(view_.mesh.face_handle(view_.mesh.opposite_halfedge_handle(h))));
+  for (const HalfedgeHandle h : rim_)
+    normals.push_back(face_normal(view_.mesh.face_handle(view_.mesh.opposite_halfedge_handle(h))));
   return normals;
 }
 
@@ -142,7 +144,9 @@ bool Hole::cut_then_optimise(int rest, std::vector<RingTriangle>& triangles) con
   }
   std::function<bool(int, int)> allowed;
   if (!forbidden_.empty())
-    allowed = [&](int i, int j) { return !std::binary_search(forbidden_.begin(), forbidden_.end(), std::pair(left[i], left[j])); };
+    allowed = [&](int i, int j) {
+      return !std::binary_search(forbidden_.begin(), forbidden_.end(), std::pair(left[i], left[j]));
+    };
   std::vector<RingTriangle> inner;
   if (!triangulate_ring_dihedral_area(points, normals, allowed, inner)) return false;
   for (const RingTriangle& t : inner) triangles.push_back({left[t[0]], left[t[1]], left[t[2]]});

@@ -12,8 +12,10 @@ namespace tri {
 
 /// How a hole is triangulated.
 enum class HoleStrategy {
-  nearest_diagonal,       ///< cut the ear with the shortest diagonal, again and again [Ristic et al. 2000]; O(n log n) for n edges
-  minimum_area_dihedral,  ///< least (largest dihedral angle, area) [Barequet & Sharir 1995, Liepa 2003]; O(n^3) up to a limit
+  nearest_diagonal,  ///< cut the ear with the shortest diagonal, again and again [Ristic et al. 2000]; O(n log n) for n
+                     ///< edges
+  minimum_area_dihedral,  ///< least (largest dihedral angle, area) [Barequet & Sharir 1995, Liepa 2003]; O(n^3) up to a
+                          ///< limit
 };
 
 /// One boundary loop and the ways to close it. Reads the mesh; valid until the mesh changes at the rim.
@@ -30,14 +32,16 @@ class Hole {
   /// Has two vertices farther apart than `limit` (model units; infinity: never).
   bool wider_than(double limit) const;
   bool around_single_triangle() const;
-  /// Whether the loop's own normal points away from the normals of the faces along it (mean cosine below -0.5): the outer rim of a sheet,
-  /// whose triangles would lie on the sheet's back. A loop of at most 6 edges on a component of more than 24 faces is a hole in any case: the
-  /// sheet is folded there.
+  /// Whether the loop's own normal points away from the normals of the faces along it (mean cosine below -0.5): the
+  /// outer rim of a sheet, whose triangles would lie on the sheet's back. A loop of at most 6 edges on a component of
+  /// more than 24 faces is a hole in any case: the sheet is folded there.
   /// @param component_faces  number of faces of the loop's component.
   bool rim_of_sheet(std::size_t component_faces) const;
 
-  /// The size() - 2 triangles that close the hole without using an edge of the mesh as a chord; empty if there are none.
-  /// @param max_dynamic_edges  above it `minimum_area_dihedral` first cuts the loop down to this many edges by nearest diagonals.
+  /// The size() - 2 triangles that close the hole without using an edge of the mesh as a chord; empty if there are
+  /// none.
+  /// @param max_dynamic_edges  above it `minimum_area_dihedral` first cuts the loop down to this many edges by nearest
+  /// diagonals.
   /// @param cut_down  set to whether that was done.
   std::vector<VertexTriple> triangulate(HoleStrategy strategy, int max_dynamic_edges, bool& cut_down);
 
@@ -53,7 +57,8 @@ class Hole {
   std::vector<HalfedgeHandle> rim_;
   std::vector<VertexHandle> vertices_;
   std::vector<Vec3> points_;
-  std::vector<std::pair<int, int>> forbidden_;  ///< ring positions i < j joined by an edge of the mesh that is not of the rim, sorted
+  std::vector<std::pair<int, int>>
+      forbidden_;  ///< ring positions i < j joined by an edge of the mesh that is not of the rim, sorted
 };
 
 }  // namespace tri

@@ -6,11 +6,12 @@
 
 namespace tri {
 
-/// The distance between neighbours that is usual around each vertex, in model units; 0 for isolated and deleted vertices.
+/// The distance between neighbours that is usual around each vertex, in model units; 0 for isolated and deleted
+/// vertices.
 ///
-/// Each vertex takes the median of its edges' lengths, then the median of that over itself and its neighbours. So one long edge does not
-/// change it, nor does a vertex whose edges are mostly too long, as at a notch that was triangulated over. Even counts take the
-/// lower median. Linear time.
+/// Each vertex takes the median of its edges' lengths, then the median of that over itself and its neighbours. So one
+/// long edge does not change it, nor does a vertex whose edges are mostly too long, as at a notch that was triangulated
+/// over. Even counts take the lower median. Linear time.
 std::vector<double> local_spacing(MeshView mesh);
 
 }  // namespace tri

@@ -6,7 +6,8 @@
 
 namespace tri {
 
-/// Points for searches by distance, in a balanced tree: ranges are split at their middle in the direction in which they are widest.
+/// Points for searches by distance, in a balanced tree: ranges are split at their middle in the direction in which they
+/// are widest.
 class PointTree {
  public:
   explicit PointTree(std::vector<Vec3> points);

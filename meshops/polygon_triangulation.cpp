@@ -11,12 +11,18 @@ Vec3 unit(const Vec3& v) {
   return length > 0 ? v / length : Vec3(0, 0, 0);
 }
 
-Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * ((b - a) % (c - a)); }
+Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 0.5 * ((b - a) % (c - a));
+}
 
-bool is_zero(const Vec3& v) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
+bool is_zero(const Vec3& v) {
+  return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
 
 /// 1 - cos of the angle between two unit normals; a triangle without area has no normal and counts as a fold.
-double turn(const Vec3& a, const Vec3& b) { return is_zero(a) || is_zero(b) ? 2.0 : 1.0 - (a | b); }
+double turn(const Vec3& a, const Vec3& b) {
+  return is_zero(a) || is_zero(b) ? 2.0 : 1.0 - (a | b);
+}
 
 Vec3 newell_normal(std::span<const Vec3> ring) {
   Vec3 sum(0, 0, 0);
@@ -24,12 +30,22 @@ Vec3 newell_normal(std::span<const Vec3> ring) {
   return unit(sum);
 }
 
-/// The state of `cut_nearest_diagonals`: a doubly linked ring and a queue of ears whose stale entries are told by a stamp.
+/// The state of `cut_nearest_diagonals`: a doubly linked ring and a queue of ears whose stale entries are told by a
+/// stamp.
 class EarCutter {
  public:
-  EarCutter(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals, const std::function<bool(int, int)>& chord_allowed)
-      : ring_(ring), chord_allowed_(chord_allowed), n_(static_cast<int>(ring.size())), size_(n_), next_(ring.size()),
-        previous_(ring.size()), stamp_(ring.size(), 0), reflex_(ring.size(), 0), waiting_(ring.size()), reference_(ring.size()) {
+  EarCutter(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals,
+            const std::function<bool(int, int)>& chord_allowed)
+      : ring_(ring),
+        chord_allowed_(chord_allowed),
+        n_(static_cast<int>(ring.size())),
+        size_(n_),
+        next_(ring.size()),
+        previous_(ring.size()),
+        stamp_(ring.size(), 0),
+        reflex_(ring.size(), 0),
+        waiting_(ring.size()),
+        reference_(ring.size()) {
     const Vec3 mean = newell_normal(ring);
     for (int i = 0; i < n_; ++i) {
       next_[i] = i + 1 < n_ ? i + 1 : 0;
@@ -105,7 +121,8 @@ class EarCutter {
       const Vec3& s = ring_[v];
       if ((s - q).sqrnorm() > reach) continue;
       if (s == p || s == r || s == q) continue;
-      const double in_p = ((r - q) % (s - q)) | normal, in_q = ((p - r) % (s - r)) | normal, in_r = ((q - p) % (s - p)) | normal;
+      const double in_p = ((r - q) % (s - q)) | normal, in_q = ((p - r) % (s - r)) | normal,
+                   in_r = ((q - p) % (s - p)) | normal;
       if (in_p >= 0 && in_q >= 0 && in_r >= 0) found = v;
     }
     reflex_list_.resize(kept);
@@ -184,7 +201,8 @@ class EarCutter {
 }  // namespace
 
 bool triangulate_ring_dihedral_area(std::span<const Vec3> ring, std::span<const Vec3> edge_normals,
-                                    const std::function<bool(int, int)>& chord_allowed, std::vector<RingTriangle>& triangles) {
+                                    const std::function<bool(int, int)>& chord_allowed,
+                                    std::vector<RingTriangle>& triangles) {
   const int n = static_cast<int>(ring.size());
   const auto normal_of = [&](int i, int k, int j) { return unit(area_vector(ring[i], ring[k], ring[j])); };
   const auto weight = [&](int i, int k, int j, int apex_ik, int apex_kj) -> std::optional<DihedralAreaWeight> {
@@ -195,10 +213,14 @@ bool triangulate_ring_dihedral_area(std::span<const Vec3> ring, std::span<const 
     const auto beside_ring = [&](int edge) {
       if (!edge_normals.empty() && !is_zero(edge_normals[edge])) beside(edge_normals[edge]);
     };
-    if (apex_ik >= 0) beside(normal_of(i, apex_ik, k));
-    else beside_ring(i);
-    if (apex_kj >= 0) beside(normal_of(k, apex_kj, j));
-    else beside_ring(k);
+    if (apex_ik >= 0)
+      beside(normal_of(i, apex_ik, k));
+    else
+      beside_ring(i);
+    if (apex_kj >= 0)
+      beside(normal_of(k, apex_kj, j));
+    else
+      beside_ring(k);
     if (i == 0 && j == n - 1) beside_ring(n - 1);
     return w;
   };
@@ -207,8 +229,8 @@ bool triangulate_ring_dihedral_area(std::span<const Vec3> ring, std::span<const 
 }
 
 bool cut_nearest_diagonals(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals,
-                           const std::function<bool(int, int)>& chord_allowed, int rest, std::vector<RingTriangle>& triangles,
-                           std::vector<std::int32_t>& left) {
+                           const std::function<bool(int, int)>& chord_allowed, int rest,
+                           std::vector<RingTriangle>& triangles, std::vector<std::int32_t>& left) {
   if (ring.size() < 3) return false;
   return EarCutter(ring, vertex_normals, chord_allowed).run(rest, triangles, left);
 }

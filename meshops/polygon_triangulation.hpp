@@ -24,7 +24,9 @@ inline constexpr std::size_t ring_pairs(int n) {
 }
 
 /// The tables hold one entry per pair i < j; row j begins at j (j - 1) / 2.
-inline std::size_t ring_pair(int i, int j) { return ring_pairs(j) + static_cast<std::size_t>(i); }
+inline std::size_t ring_pair(int i, int j) {
+  return ring_pairs(j) + static_cast<std::size_t>(i);
+}
 
 template <class Weight, class ChordAllowed, class TriangleWeight>
 std::optional<Weight> triangulate_ring(int n, Weight* best, std::int32_t* apex, ChordAllowed& chord_allowed,
@@ -79,12 +81,15 @@ std::optional<Weight> triangulate_ring(int n, Weight* best, std::int32_t* apex, 
 /// n^2 / 2 entries; on the stack up to 64 vertices. The caller bounds n.
 ///
 /// @param n  number of ring vertices, at least 3. Vertex 0 and n - 1 are neighbours.
-/// @param chord_allowed  `bool(int i, int j)`, i < j, j - i >= 2, never the ring edge (0, n - 1): whether the chord may be an edge.
-/// @param triangle_weight  `std::optional<Weight>(int i, int k, int j, int apex_ik, int apex_kj)`, i < k < j: the weight that
-///   triangle (i, k, j) brings. `apex_ik` is the third corner of the triangle already chosen beyond chord (i, k), or -1 if (i, k) is
-///   a ring edge; the same for `apex_kj`. The edge (0, n - 1) is closed by the one call with i = 0 and j = n - 1. No value
-///   forbids the triangle.
-/// @tparam Weight  trivial type with `Weight{}` the neutral element, `+` that never lightens (a + b is not < a), and `<`; sums, maxima and
+/// @param chord_allowed  `bool(int i, int j)`, i < j, j - i >= 2, never the ring edge (0, n - 1): whether the chord may
+/// be an edge.
+/// @param triangle_weight  `std::optional<Weight>(int i, int k, int j, int apex_ik, int apex_kj)`, i < k < j: the
+/// weight that
+///   triangle (i, k, j) brings. `apex_ik` is the third corner of the triangle already chosen beyond chord (i, k), or -1
+///   if (i, k) is a ring edge; the same for `apex_kj`. The edge (0, n - 1) is closed by the one call with i = 0 and j =
+///   n - 1. No value forbids the triangle.
+/// @tparam Weight  trivial type with `Weight{}` the neutral element, `+` that never lightens (a + b is not < a), and
+/// `<`; sums, maxima and
 ///   lexicographic pairs of them fit. (With a weight that depends on the apexes the result is Liepa's
 ///   heuristic: each chord keeps its best part.)
 /// @param triangles  receives n - 2 triangles, appended; each but the first shares a chord with an earlier one.
@@ -98,11 +103,13 @@ std::optional<Weight> triangulate_polygon(int n, ChordAllowed&& chord_allowed, T
     std::array<Weight, pairs> best;
     std::array<std::int32_t, pairs> apex;
     std::array<std::int32_t, 4 * detail::small_ring> stack;
-    return detail::triangulate_ring<Weight>(n, best.data(), apex.data(), chord_allowed, triangle_weight, triangles, stack.data());
+    return detail::triangulate_ring<Weight>(n, best.data(), apex.data(), chord_allowed, triangle_weight, triangles,
+                                            stack.data());
   }
   std::vector<Weight> best(detail::ring_pairs(n));
   std::vector<std::int32_t> apex(detail::ring_pairs(n)), stack(4 * static_cast<std::size_t>(n));
-  return detail::triangulate_ring<Weight>(n, best.data(), apex.data(), chord_allowed, triangle_weight, triangles, stack.data());
+  return detail::triangulate_ring<Weight>(n, best.data(), apex.data(), chord_allowed, triangle_weight, triangles,
+                                          stack.data());
 }
 
 /// Largest dihedral angle first, area second [Liepa 2003].
@@ -124,29 +131,34 @@ struct DihedralAreaWeight {
 /// Triangulates a ring in space by `DihedralAreaWeight`; cost as `triangulate_polygon`.
 ///
 /// @param ring  at least 3 positions, in the direction in which the new triangles run.
-/// @param edge_normals  ring.size() vectors: unit normal of the surface beyond ring edge (i, i + 1), or zero where there is none; or
+/// @param edge_normals  ring.size() vectors: unit normal of the surface beyond ring edge (i, i + 1), or zero where
+/// there is none; or
 ///   empty for a ring without neighbours.
 /// @param chord_allowed  as `triangulate_polygon`; empty allows every chord.
 /// @param triangles  receives ring.size() - 2 triangles, appended.
 /// @return false if no triangulation is allowed; then `triangles` is as it was.
 bool triangulate_ring_dihedral_area(std::span<const Vec3> ring, std::span<const Vec3> edge_normals,
-                                    const std::function<bool(int, int)>& chord_allowed, std::vector<RingTriangle>& triangles);
+                                    const std::function<bool(int, int)>& chord_allowed,
+                                    std::vector<RingTriangle>& triangles);
 
 /// Cuts ears off a ring in space, the one with the shortest diagonal first, until `rest` vertices are left: the
 /// nearest-diagonal triangulation of [Ristic et al. 2000, step (g)].
 ///
-/// An ear that would fold over (its normal against `vertex_normals` and the ring's own mean normal) or that covers another
-/// vertex of the ring waits until no other is left. Time O(n log n) on convex rings, O(n r) with r reflex vertices.
+/// An ear that would fold over (its normal against `vertex_normals` and the ring's own mean normal) or that covers
+/// another vertex of the ring waits until no other is left. Time O(n log n) on convex rings, O(n r) with r reflex
+/// vertices.
 ///
 /// @param ring  at least 3 positions, in the direction in which the new triangles run.
 /// @param vertex_normals  ring.size() unit normals of the surface around the ring, zero where unknown; or empty.
 /// @param chord_allowed  `(i, j)` with i < j; empty allows every chord.
-/// @param rest  at least 3 to leave a ring of that many vertices (if the ring is not smaller already); 2 to triangulate it all.
-/// @param triangles  receives ring.size() - max(rest, 2) triangles, appended, each sharing an edge with the ring or an earlier one.
+/// @param rest  at least 3 to leave a ring of that many vertices (if the ring is not smaller already); 2 to triangulate
+/// it all.
+/// @param triangles  receives ring.size() - max(rest, 2) triangles, appended, each sharing an edge with the ring or an
+/// earlier one.
 /// @param left  receives the positions of the vertices that are left, ascending (none with rest 2).
 /// @return false if forbidden chords leave no ear; then `triangles` is as it was.
 bool cut_nearest_diagonals(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals,
-                           const std::function<bool(int, int)>& chord_allowed, int rest, std::vector<RingTriangle>& triangles,
-                           std::vector<std::int32_t>& left);
+                           const std::function<bool(int, int)>& chord_allowed, int rest,
+                           std::vector<RingTriangle>& triangles, std::vector<std::int32_t>& left);
 
 }  // namespace tri

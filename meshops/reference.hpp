@@ -11,8 +11,8 @@ namespace tri {
 
 /// Two stretches of mesh boundary that face each other across a gap.
 struct ContourPair {
-  /// Vertices along the mesh boundary, each joined to the next by a boundary half-edge that runs first[i] -> first[i + 1]
-  /// (the side of the edge that has no face). At least one vertex.
+  /// Vertices along the mesh boundary, each joined to the next by a boundary half-edge that runs first[i] -> first[i +
+  /// 1] (the side of the edge that has no face). At least one vertex.
   std::vector<VertexHandle> first;
   /// The same, of the other side; so it runs against `first` in space.
   std::vector<VertexHandle> second;
@@ -21,18 +21,21 @@ struct ContourPair {
 
 /// What operators may ask a model that the mesh was measured from: a CAD model, a base surface, an analytic shape.
 ///
-/// Every operator that takes one works without it too, by what the neighbours say. Answers must depend on the arguments alone;
-/// they are asked from one thread at a time.
+/// Every operator that takes one works without it too, by what the neighbours say. Answers must depend on the arguments
+/// alone; they are asked from one thread at a time.
 class Reference {
  public:
   virtual ~Reference() = default;
 
-  /// Outward unit normal of the model at the triangle (a, b, c), said about its centroid; zero where the model has none to give.
+  /// Outward unit normal of the model at the triangle (a, b, c), said about its centroid; zero where the model has none
+  /// to give.
   virtual Vec3 normal(VertexHandle a, VertexHandle b, VertexHandle c) const = 0;
 
   /// Whether a place of triangle (a, b, c) lies inside the trimmed region.
-  /// @param barycentric  weights of a, b, c; they sum to 1. On a parametric surface the place is the same mean of parameters.
-  virtual bool inside(VertexHandle a, VertexHandle b, VertexHandle c, const std::array<double, 3>& barycentric) const = 0;
+  /// @param barycentric  weights of a, b, c; they sum to 1. On a parametric surface the place is the same mean of
+  /// parameters.
+  virtual bool inside(VertexHandle a, VertexHandle b, VertexHandle c,
+                      const std::array<double, 3>& barycentric) const = 0;
 
   /// The stretches of boundary to be joined, in the order in which they are to be joined.
   virtual std::vector<ContourPair> contour_pairs(MeshView mesh) const = 0;

@@ -21,7 +21,8 @@ void register_operators(Registry& registry) {
   registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");
   registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
                {.idempotent = false});
-  registry.add("stitch-contours", stitch_contours, "Joins boundary contours that face each other by strips of triangles");
+  registry.add("stitch-contours", stitch_contours, "Joins boundary contours that face each other by strips of triangles",
+               {.idempotent = false});
 }
 
 }  // namespace tri

@@ -1,10 +1,9 @@
-#include "meshops/add_faces.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <random>
 
+#include "meshops/add_faces.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
@@ -76,7 +75,7 @@ TEST_CASE("add_faces: refuses what is not manifold and leaves the mesh untouched
   CHECK(refused({{corner, VertexHandle(), free}}) == FitResult::degenerate);
   CHECK(refused({{corner, next, free}}) == FitResult::edge_in_use);  // that side of the edge has its face
   CHECK(refused({{next, corner, free}, {next, corner, free2}}) == FitResult::edge_in_use);
-  CHECK(refused({{inner, free, free2}}) == FitResult::vertex_not_manifold);  // a second fan at an inner vertex
+  CHECK(refused({{inner, free, free2}}) == FitResult::vertex_not_manifold);   // a second fan at an inner vertex
   CHECK(refused({{corner, free, free2}}) == FitResult::vertex_not_manifold);  // a bow-tie
   CHECK(add_faces(view_of(mesh), std::vector<VertexTriple>{{next, corner, free}}) == FitResult::fits);
   CHECK_VALID_MESH(mesh);
@@ -89,8 +88,9 @@ TEST_CASE("add_faces: new faces take the properties of a neighbour, not its stat
   for (const auto f : mesh.faces()) mesh.property(material, f) = 7, mesh.status(f).set_selected(true);
   const VertexHandle a = mesh.add_vertex({1, -1, 0}), b = mesh.add_vertex({2, -1, 0});
   std::vector<FaceHandle> added;
-  REQUIRE(add_faces(view_of(mesh), std::vector<VertexTriple>{{VertexHandle(1), VertexHandle(0), a}, {VertexHandle(1), a, b}}, &added) ==
-          FitResult::fits);
+  REQUIRE(add_faces(view_of(mesh),
+                    std::vector<VertexTriple>{{VertexHandle(1), VertexHandle(0), a}, {VertexHandle(1), a, b}},
+                    &added) == FitResult::fits);
   for (const FaceHandle f : added) {
     CHECK(mesh.property(material, f) == 7);
     CHECK_FALSE(mesh.status(f).selected());

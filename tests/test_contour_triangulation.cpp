@@ -1,9 +1,9 @@
-#include "meshops/contour_triangulation.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <random>
+
+#include "meshops/contour_triangulation.hpp"
 
 using namespace tri;
 
@@ -15,7 +15,8 @@ std::vector<Vec3> line(int n, double y, double length = 10) {
   return points;
 }
 
-double strip_area(const std::vector<Vec3>& first, const std::vector<Vec3>& second, const std::vector<ContourStep>& steps) {
+double strip_area(const std::vector<Vec3>& first, const std::vector<Vec3>& second,
+                  const std::vector<ContourStep>& steps) {
   double sum = 0;
   std::size_t i = 0, j = 0;
   for (const ContourStep s : steps) {
@@ -80,7 +81,8 @@ TEST_CASE("triangulate_contours: takes no forbidden step, and says when it is st
     for (auto& plane : forbidden)
       for (auto& row : plane)
         for (bool& f : row) f = random() % 100 < static_cast<unsigned>(round);
-    const auto steps = triangulate_contours(first, second, [&](int i, int j, ContourStep s) { return !forbidden[i][j][s == ContourStep::second]; });
+    const auto steps = triangulate_contours(
+        first, second, [&](int i, int j, ContourStep s) { return !forbidden[i][j][s == ContourStep::second]; });
     if (!steps) {
       ++stuck;
       continue;

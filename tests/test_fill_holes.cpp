@@ -1,10 +1,9 @@
-#include "meshops/operators/fill_holes.hpp"
-
 #include <doctest/doctest.h>
 
 #include <set>
 
 #include "meshops/error.hpp"
+#include "meshops/operators/fill_holes.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
@@ -48,7 +47,8 @@ TEST_CASE("fill_holes: caps a tube with two flat discs") {
       CHECK(report.faces_added == 2u * (n - 2));
       CHECK(report.touched_faces.size() == report.faces_added);
       CHECK(report.figures.at("holes filled") == 2);
-      CHECK(report.figures.count("holes cut down first") == (strategy == HoleStrategy::minimum_area_dihedral && n > 128));
+      CHECK(report.figures.count("holes cut down first") ==
+            (strategy == HoleStrategy::minimum_area_dihedral && n > 128));
       CHECK_VALID_MESH(mesh);
       CHECK(euler_characteristic(mesh) == 2);
       CHECK(mesh_area(view_of(mesh)) == doctest::Approx(side + 2 * ngon_area(n, 2)));
@@ -59,8 +59,11 @@ TEST_CASE("fill_holes: caps a tube with two flat discs") {
 
 TEST_CASE("fill_holes: a concave hole in a plane is tiled without fold or overlap; the sheet's rim stays open") {
   const auto shapes = {
-      sheet_without([](int i, int j) { return (i >= 3 && i < 15 && j >= 3 && j < 5) || (i >= 3 && i < 5 && j >= 3 && j < 16); }),  // L
-      sheet_without([](int i, int j) { return i >= 2 && i < 17 && j >= 2 && j < 17 && (j == 2 || i % 2 == 0); }),                 // comb
+      sheet_without([](int i, int j) {
+        return (i >= 3 && i < 15 && j >= 3 && j < 5) || (i >= 3 && i < 5 && j >= 3 && j < 16);
+      }),  // L
+      sheet_without(
+          [](int i, int j) { return i >= 2 && i < 17 && j >= 2 && j < 17 && (j == 2 || i % 2 == 0); }),  // comb
       sheet_without([](int i, int j) { return i == 7 && j == 9; }),
   };
   for (const auto strategy : strategies)
@@ -86,7 +89,8 @@ TEST_CASE("fill_holes: a hole in a sphere is closed along the sphere") {
     s.closed_u = true;
     s.point = [=](int i, int j) {
       const double longitude = 2 * pi * i / n, latitude = pi * ((j + 0.5) / (n + 1) - 0.5);
-      return Vec3(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude));
+      return Vec3(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude),
+                  std::sin(latitude));
     };
     s.keep = [](int i, int j) { return !(i >= 5 && i < 10 && j >= 17 && j < 23); };
     Mesh mesh = s.mesh();
@@ -190,7 +194,9 @@ TEST_CASE("fill_holes: never doubles an edge; a hole without another triangulati
 }
 
 TEST_CASE("fill_holes: nested islands stay apart from the hole around them") {
-  Mesh mesh = sheet_without([](int i, int j) { return i >= 4 && i < 13 && j >= 4 && j < 13 && !(i >= 8 && i < 10 && j >= 8 && j < 10); }).mesh();
+  Mesh mesh = sheet_without([](int i, int j) {
+                return i >= 4 && i < 13 && j >= 4 && j < 13 && !(i >= 8 && i < 10 && j >= 8 && j < 10);
+              }).mesh();
   Context context;
   const Report report = fill_holes(view_of(mesh), {}, context);
   CHECK_VALID_MESH(mesh);

@@ -1,7 +1,6 @@
-#include "meshops/local_spacing.hpp"
-
 #include <doctest/doctest.h>
 
+#include "meshops/local_spacing.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;

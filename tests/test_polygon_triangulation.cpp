@@ -1,5 +1,3 @@
-#include "meshops/polygon_triangulation.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -7,6 +5,8 @@
 #include <numbers>
 #include <random>
 #include <set>
+
+#include "meshops/polygon_triangulation.hpp"
 
 namespace {
 
@@ -106,7 +106,10 @@ TEST_CASE("triangulate_polygon: reaches the least area of all triangulations") {
       Triangles found;
       const auto weight = tri::triangulate_polygon<double>(
           n, [](int, int) { return true; },
-          [&](int i, int k, int j, int, int) -> std::optional<double> { return area(ring, {i, k, j}); }, found);
+          [&](int i, int k, int j, int, int) -> std::optional<double> {
+            return area(ring, {i, k, j});
+          },
+          found);
       REQUIRE(weight.has_value());
       check_triangulates(n, found);
       CHECK(*weight == doctest::Approx(least));
@@ -137,7 +140,11 @@ TEST_CASE("triangulate_polygon: keeps forbidden chords out and reaches the least
     }
     Triangles found{{7, 7, 7}};
     const auto weight = tri::triangulate_polygon<double>(
-        n, allowed, [&](int i, int k, int j, int, int) -> std::optional<double> { return area(ring, {i, k, j}); }, found);
+        n, allowed,
+        [&](int i, int k, int j, int, int) -> std::optional<double> {
+          return area(ring, {i, k, j});
+        },
+        found);
     CHECK(found[0] == RingTriangle{7, 7, 7});
     CHECK(weight.has_value() == (least < 1e300));
     impossible += !weight.has_value();
@@ -174,8 +181,8 @@ TEST_CASE("triangulate_ring_dihedral_area: tiles a flat concave polygon without 
 }
 
 TEST_CASE("triangulate_ring_dihedral_area: follows the surface around a hole, not the least area") {
-  // A quadrilateral across a ridge of 30 degrees: its other diagonal makes a valley of less area. The surface beyond falls
-  // away at 85 degrees: 55 degrees from the slopes of the ridge, 85 from those of the valley.
+  // A quadrilateral across a ridge of 30 degrees: its other diagonal makes a valley of less area. The surface beyond
+  // falls away at 85 degrees: 55 degrees from the slopes of the ridge, 85 from those of the valley.
   const std::vector<Vec3> ring{{0, 0, 0.577}, {1.5, -1, 0}, {3, 0, 0.577}, {1.5, 1, 0}};
   CHECK(total_area(ring, {{0, 1, 2}, {0, 2, 3}}) > total_area(ring, {{0, 1, 3}, {1, 2, 3}}));
   const double steep = 85 * std::numbers::pi / 180;
@@ -236,7 +243,8 @@ TEST_CASE("cut_nearest_diagonals: never uses a forbidden chord, and says when no
   const auto ring = star(12, 1);
   Triangles found;
   std::vector<std::int32_t> left;
-  REQUIRE(tri::cut_nearest_diagonals(ring, {}, [](int i, int j) { return !(i % 2 == 0 && j % 2 == 0); }, 2, found, left));
+  REQUIRE(tri::cut_nearest_diagonals(
+      ring, {}, [](int i, int j) { return !(i % 2 == 0 && j % 2 == 0); }, 2, found, left));
   check_triangulates(12, found);
   for (const auto& t : found)
     for (int k = 0; k < 3; ++k) {
@@ -244,6 +252,7 @@ TEST_CASE("cut_nearest_diagonals: never uses a forbidden chord, and says when no
       CHECK(!(a % 2 == 0 && b % 2 == 0));
     }
   found.clear();
-  CHECK_FALSE(tri::cut_nearest_diagonals(ring, {}, [](int, int) { return false; }, 2, found, left));
+  CHECK_FALSE(tri::cut_nearest_diagonals(
+      ring, {}, [](int, int) { return false; }, 2, found, left));
   CHECK(found.empty());
 }

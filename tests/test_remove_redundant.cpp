@@ -1,5 +1,3 @@
-#include "meshops/operators/remove_redundant.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <set>
 
 #include "meshops/error.hpp"
+#include "meshops/operators/remove_redundant.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
@@ -19,7 +18,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Everything off; tests switch on what they test.
 RemoveRedundantOptions nothing() {
-  return {.length_factor = infinity, .max_angle = off, .max_neighbor_angle = off, .max_outside = 1, .max_boundary_angle = off};
+  return {.length_factor = infinity,
+          .max_angle = off,
+          .max_neighbor_angle = off,
+          .max_outside = 1,
+          .max_boundary_angle = off};
 }
 
 /// A region of the plane z = 0 as a model: `inside` decides at the place itself.
@@ -66,7 +69,9 @@ TEST_CASE("remove_redundant: two patches joined by long triangles come apart, at
     PatchShape s;
     s.nu = 21;
     s.nv = 8;
-    s.point = [=](int i, int j) { return Vec3(i < 11 ? i : i + 8, j, 0) * scale; };  // the cells of column 10 are 9 long
+    s.point = [=](int i, int j) {
+      return Vec3(i < 11 ? i : i + 8, j, 0) * scale;
+    };  // the cells of column 10 are 9 long
     Mesh mesh = s.mesh();
     Context context;
     const Report report = remove_redundant(view_of(mesh), {}, context);
@@ -84,7 +89,9 @@ TEST_CASE("remove_redundant: an absolute length takes the place of the factor") 
   PatchShape s;
   s.nu = 10;
   s.nv = 5;
-  s.point = [](int i, int j) { return Vec3(i < 6 ? i : i + 1, j, 0); };  // one column of cells is 2 long: diagonal sqrt 5
+  s.point = [](int i, int j) {
+    return Vec3(i < 6 ? i : i + 1, j, 0);
+  };  // one column of cells is 2 long: diagonal sqrt 5
   RemoveRedundantOptions options = nothing();
   Context context;
   for (const double limit : {2.3, 2.1, 1.9}) {
@@ -115,8 +122,19 @@ TEST_CASE("remove_redundant: triangles between the two sides of a thin sheet go 
 }
 
 TEST_CASE("remove_redundant: a flap that is folded over goes by its neighbours, a sharp edge stays") {
-  Mesh cube = make_mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}},
-                        {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}});
+  Mesh cube =
+      make_mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, {{0, 2, 1},
+                                                                                                           {0, 3, 2},
+                                                                                                           {4, 5, 6},
+                                                                                                           {4, 6, 7},
+                                                                                                           {0, 1, 5},
+                                                                                                           {0, 5, 4},
+                                                                                                           {1, 2, 6},
+                                                                                                           {1, 6, 5},
+                                                                                                           {2, 3, 7},
+                                                                                                           {2, 7, 6},
+                                                                                                           {3, 0, 4},
+                                                                                                           {3, 4, 7}});
   Context context;
   CHECK(remove_redundant(view_of(cube), {}, context).unchanged());
 
@@ -186,7 +204,8 @@ TEST_CASE("remove_redundant: slivers of a hull are peeled without a model") {
   CHECK(remove_redundant(view_of(mesh), options, context).unchanged());
 }
 
-TEST_CASE("remove_redundant: whatever is deleted, no bow-tie is left, and with keep_vertices every vertex keeps a face") {
+TEST_CASE(
+    "remove_redundant: whatever is deleted, no bow-tie is left, and with keep_vertices every vertex keeps a face") {
   for (unsigned seed = 0; seed < 40; ++seed)
     for (const unsigned share : {10u, 35u, 60u, 90u})
       for (const bool keep : {false, true}) {
@@ -197,7 +216,9 @@ TEST_CASE("remove_redundant: whatever is deleted, no bow-tie is left, and with k
         reference.share = share;
         if (seed % 2 == 0) {
           // On the tube normals are radial: judge by the sign that the reference gives at a vertical normal instead.
-          for (const auto v : mesh.vertices()) mesh.set_point(v, {mesh.point(v)[0] * (5 + mesh.point(v)[2]), mesh.point(v)[1] * (5 + mesh.point(v)[2]), -mesh.point(v)[2]});
+          for (const auto v : mesh.vertices())
+            mesh.set_point(v, {mesh.point(v)[0] * (5 + mesh.point(v)[2]), mesh.point(v)[1] * (5 + mesh.point(v)[2]),
+                               -mesh.point(v)[2]});
         }
         std::set<int> had_face;
         for (const auto v : mesh.vertices()) had_face.insert(v.idx());
@@ -222,7 +243,9 @@ TEST_CASE("remove_redundant: of two fans at a vertex the larger stays") {
   Mesh mesh = grid(4, 1);
   PlanarReference reference;
   reference.mesh = &mesh;
-  reference.normal_at = [](const Vec3& c) { return Vec3(0, 0, c[0] > 2.5 && c[0] < 2.8 ? -1 : 1); };  // face (2 0, 3 0, 3 1)... of cell 2
+  reference.normal_at = [](const Vec3& c) {
+    return Vec3(0, 0, c[0] > 2.5 && c[0] < 2.8 ? -1 : 1);
+  };  // face (2 0, 3 0, 3 1)... of cell 2
   RemoveRedundantOptions options = nothing();
   options.reference = &reference;
   options.max_angle = pi / 2;

@@ -11,7 +11,8 @@ namespace tri::test {
 
 inline constexpr double pi = std::numbers::pi;
 
-/// A parametric surface over a grid of cells, two triangles each, counter-clockwise in (u, v). Vertex (i, j) has index j * columns + i.
+/// A parametric surface over a grid of cells, two triangles each, counter-clockwise in (u, v). Vertex (i, j) has index
+/// j * columns + i.
 struct PatchShape {
   int nu = 4, nv = 4;     ///< cells
   bool closed_u = false;  ///< the last column of cells joins the first column of vertices
@@ -31,7 +32,8 @@ struct PatchShape {
     for (int j = 0; j < nv; ++j)
       for (int i = 0; i < nu; ++i) {
         if (!keep(i, j)) continue;
-        const int a = vertex(i, j).idx(), b = vertex(i + 1, j).idx(), c = vertex(i + 1, j + 1).idx(), d = vertex(i, j + 1).idx();
+        const int a = vertex(i, j).idx(), b = vertex(i + 1, j).idx(), c = vertex(i + 1, j + 1).idx(),
+                  d = vertex(i, j + 1).idx();
         result.push_back({a, b, c});
         result.push_back({a, c, d});
       }
@@ -54,7 +56,9 @@ inline PatchShape tube(int around, int along, double r, double z0, double z1) {
 }
 
 /// Area of a regular n-gon with circumradius r.
-inline double ngon_area(int n, double r) { return 0.5 * n * r * r * std::sin(2 * pi / n); }
+inline double ngon_area(int n, double r) {
+  return 0.5 * n * r * r * std::sin(2 * pi / n);
+}
 
 inline double mesh_area(MeshView view) {
   double sum = 0;
@@ -62,7 +66,8 @@ inline double mesh_area(MeshView view) {
     const auto h = view.mesh.halfedge_handle(f);
     const Vec3& a = view.point(view.mesh.from_vertex_handle(h));
     sum += 0.5 * ((view.point(view.mesh.to_vertex_handle(h)) - a) %
-                  (view.point(view.mesh.to_vertex_handle(view.mesh.next_halfedge_handle(h))) - a)).norm();
+                  (view.point(view.mesh.to_vertex_handle(view.mesh.next_halfedge_handle(h))) - a))
+                     .norm();
   }
   return sum;
 }
@@ -73,7 +78,9 @@ inline double mesh_volume(MeshView view) {
   for (const auto f : view.mesh.faces()) {
     const auto h = view.mesh.halfedge_handle(f);
     sum += (view.point(view.mesh.from_vertex_handle(h)) |
-            (view.point(view.mesh.to_vertex_handle(h)) % view.point(view.mesh.to_vertex_handle(view.mesh.next_halfedge_handle(h))))) / 6;
+            (view.point(view.mesh.to_vertex_handle(h)) %
+             view.point(view.mesh.to_vertex_handle(view.mesh.next_halfedge_handle(h))))) /
+           6;
   }
   return sum;
 }

@@ -1,11 +1,10 @@
-#include "meshops/operators/stitch_contours.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <random>
 
 #include "meshops/error.hpp"
+#include "meshops/operators/stitch_contours.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
@@ -51,7 +50,9 @@ Patches open_box(double size, double gap, std::array<int, 6> cells) {
 }
 
 /// Area between two coaxial regular polygons of the same radius and number, `h` apart, aligned: rectangles.
-double band_area(int n, double r, double h) { return n * 2 * r * std::sin(pi / n) * h; }
+double band_area(int n, double r, double h) {
+  return n * 2 * r * std::sin(pi / n) * h;
+}
 
 }  // namespace
 
@@ -180,7 +181,8 @@ TEST_CASE("stitch_contours: six sides of a box become a closed box with its corn
     CHECK(boundary_loops(mesh) == 0);
     CHECK(euler_characteristic(mesh) == 2);
     CHECK(report.skipped.empty());
-    // The convex hull of the six squares: a box whose 12 edges and 8 corners are cut off, and an inner box that bounds it.
+    // The convex hull of the six squares: a box whose 12 edges and 8 corners are cut off, and an inner box that bounds
+    // it.
     const double g = 0.5, l = 9;
     const double hull = 1000 - 12 * l * g * g / 2 - 8 * (g * g * g - g * g * g / 6);
     CHECK(mesh_volume(view_of(mesh)) <= hull * (1 + 1e-9));
@@ -224,7 +226,8 @@ TEST_CASE("stitch_contours: noisy, ragged, even overlapping patches make one clo
 }
 
 TEST_CASE("stitch_contours: an opening of the part between patches stays open, the gap beside it is closed") {
-  // Two halves of a sheet with a gap of 0.6; each has a notch in the middle of its rim, which together make an opening of 6 x 6.6.
+  // Two halves of a sheet with a gap of 0.6; each has a notch in the middle of its rim, which together make an opening
+  // of 6 x 6.6.
   Patches patches;
   for (int half = 0; half < 2; ++half) {
     PatchShape s;
@@ -306,7 +309,8 @@ TEST_CASE("stitch_contours: given pairs are joined however far apart, by propert
   Mesh other = patches.mesh();
   // Whichever way a rim runs is the mesh's affair: turn the lists round where they run against the boundary.
   for (auto* contour : {&given.pairs[0].first, &given.pairs[0].second})
-    if (!other.is_boundary(other.find_halfedge((*contour)[0], (*contour)[1]))) std::reverse(contour->begin(), contour->end());
+    if (!other.is_boundary(other.find_halfedge((*contour)[0], (*contour)[1])))
+      std::reverse(contour->begin(), contour->end());
   CHECK(stitch_contours(view_of(other), {.reference = &given}, context).faces_added == 34);
   CHECK_VALID_MESH(other);
   CHECK(euler_characteristic(other) == 0);
@@ -327,7 +331,8 @@ TEST_CASE("stitch_contours: an edge property that names no pair is counted and s
   Mesh mesh = tube(12, 3, 1, 0, 1).mesh();
   OpenMesh::EPropHandleT<int> mark;
   mesh.add_property(mark, "e:contour_pair");
-  for (const auto e : mesh.edges()) mesh.property(mark, e) = mesh.is_boundary(e) && mesh.calc_edge_midpoint(e)[2] > 0.5 ? 0 : -1;
+  for (const auto e : mesh.edges())
+    mesh.property(mark, e) = mesh.is_boundary(e) && mesh.calc_edge_midpoint(e)[2] > 0.5 ? 0 : -1;
   Context context;
   const Report report = stitch_contours(view_of(mesh), {.pairs = ContourPairs::given}, context);
   CHECK(report.unchanged());

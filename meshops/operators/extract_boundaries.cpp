@@ -21,7 +21,8 @@ const OptionSchema& ExtractBoundariesOptions::schema() {
   static const OptionSchema schema =
       Schema<O>()
           .boolean("mark-vertices", &O::mark_vertices, {.help = "write the loop of each vertex as a vertex property"})
-          .boolean("mark-edges", &O::mark_edges, {.help = "write the loop of each edge, and whether it is outer, as edge properties"});
+          .boolean("mark-edges", &O::mark_edges,
+                   {.help = "write the loop of each edge, and whether it is outer, as edge properties"});
   return schema;
 }
 
@@ -38,7 +39,8 @@ Report extract_boundaries(MeshView view, const ExtractBoundariesOptions& options
     const auto loop_of = fresh_property<OpenMesh::VPropHandleT<int>>(mesh, property::boundary_loop);
     for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i) mesh.property(loop_of, VertexHandle(i)) = -1;
     for (std::size_t i = loops.size(); i-- > 0;)
-      for (const HalfedgeHandle h : loops[i].halfedges) mesh.property(loop_of, mesh.from_vertex_handle(h)) = static_cast<int>(i);
+      for (const HalfedgeHandle h : loops[i].halfedges)
+        mesh.property(loop_of, mesh.from_vertex_handle(h)) = static_cast<int>(i);
   }
   if (options.mark_edges) {
     const auto loop_of = fresh_property<OpenMesh::EPropHandleT<int>>(mesh, property::boundary_loop);
@@ -60,8 +62,9 @@ Report extract_boundaries(MeshView view, const ExtractBoundariesOptions& options
     outer += loop.outer;
     if (i >= noted_loops) continue;
     const Vec3& p = loop.polyline.front();
-    report.notes.push_back(fmt::format("loop {}: {} edges, length {:.6g}, {}{}, from ({:.6g}, {:.6g}, {:.6g})", i, loop.halfedges.size(),
-                                       loop.length, loop.outer ? "outer" : fmt::format("nested in {}", loop.parent),
+    report.notes.push_back(fmt::format("loop {}: {} edges, length {:.6g}, {}{}, from ({:.6g}, {:.6g}, {:.6g})", i,
+                                       loop.halfedges.size(), loop.length,
+                                       loop.outer ? "outer" : fmt::format("nested in {}", loop.parent),
                                        loop.simple ? "" : ", meets itself in a vertex", p[0], p[1], p[2]));
   }
   if (!loops.empty()) {

@@ -9,8 +9,10 @@
 namespace tri {
 
 namespace property {
-inline constexpr const char* boundary_loop = "boundary_loop";    ///< int on vertices and edges, 0-based loop; -1 off the boundary
-inline constexpr const char* boundary_outer = "boundary_outer";  ///< int on edges, 1 outer loop, 0 nested loop, -1 off the boundary
+inline constexpr const char* boundary_loop =
+    "boundary_loop";  ///< int on vertices and edges, 0-based loop; -1 off the boundary
+inline constexpr const char* boundary_outer =
+    "boundary_outer";  ///< int on edges, 1 outer loop, 0 nested loop, -1 off the boundary
 }  // namespace property
 
 struct ExtractBoundariesOptions {
@@ -20,12 +22,13 @@ struct ExtractBoundariesOptions {
   static const OptionSchema& schema();
 };
 
-/// Finds every boundary loop and writes which loop each vertex and edge is on; `boundary_loops` gives the same as polylines.
+/// Finds every boundary loop and writes which loop each vertex and edge is on; `boundary_loops` gives the same as
+/// polylines.
 ///
-/// Loops are numbered as `boundary_loops` returns them; that header says what is an outer and what a nested loop. A vertex on several
-/// loops gets the first. Properties of these names that are there already are overwritten; positions, faces and handles stay.
-/// Figures: "loops", "outer loops", "nested loops", "boundary edges", "boundary length" (model units). One note per loop, for
-/// the first 100.
+/// Loops are numbered as `boundary_loops` returns them; that header says what is an outer and what a nested loop. A
+/// vertex on several loops gets the first. Properties of these names that are there already are overwritten; positions,
+/// faces and handles stay. Figures: "loops", "outer loops", "nested loops", "boundary edges", "boundary length" (model
+/// units). One note per loop, for the first 100.
 /// @throws Cancelled before anything is written.
 Report extract_boundaries(MeshView mesh, const ExtractBoundariesOptions& options, Context& context);
 

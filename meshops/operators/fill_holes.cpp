@@ -10,13 +10,16 @@ const OptionSchema& FillHolesOptions::schema() {
   static const OptionSchema schema =
       Schema<O>()
           .choice("strategy", &O::strategy,
-                  {{"nearest-diagonal", HoleStrategy::nearest_diagonal}, {"minimum-area-dihedral", HoleStrategy::minimum_area_dihedral}},
+                  {{"nearest-diagonal", HoleStrategy::nearest_diagonal},
+                   {"minimum-area-dihedral", HoleStrategy::minimum_area_dihedral}},
                   {.help = "how a hole is triangulated"})
           .integer("max-edges", &O::max_edges, {.unit = "edges", .min = 3, .help = "loops with more edges stay open"})
           .number("max-diameter", &O::max_diameter,
                   {.unit = "mm", .min = 0, .infinite = true, .help = "loops with two vertices farther apart stay open"})
           .integer("max-dynamic-edges", &O::max_dynamic_edges,
-                   {.unit = "edges", .min = 3, .max = 1000,
+                   {.unit = "edges",
+                    .min = 3,
+                    .max = 1000,
                     .help = "longer loops are first cut down to this many edges by nearest diagonals"});
   return schema;
 }
@@ -42,13 +45,15 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
       skip("loop meets itself in a vertex");
     } else if (hole.around_single_triangle()) {
       skip("rim of a single triangle");
-    } else if (hole.rim_of_sheet(sizes[view.mesh.face_handle(view.mesh.opposite_halfedge_handle(cycles[i][0])).idx()])) {
+    } else if (hole.rim_of_sheet(
+                   sizes[view.mesh.face_handle(view.mesh.opposite_halfedge_handle(cycles[i][0])).idx()])) {
       skip("rim of a sheet");
     } else if (options.reference && options.reference->keeps_open(hole.vertices())) {
       skip("kept open by the reference");
     } else {
       bool cut_down = false;
-      const std::vector<VertexTriple> triangles = hole.triangulate(options.strategy, options.max_dynamic_edges, cut_down);
+      const std::vector<VertexTriple> triangles =
+          hole.triangulate(options.strategy, options.max_dynamic_edges, cut_down);
       std::vector<FaceHandle> added;
       if (triangles.empty() || add_faces(view, triangles, &added) != FitResult::fits) {
         skip("no triangulation without an existing edge");
@@ -58,7 +63,8 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
       cut += cut_down;
       report.faces_added += added.size();
       for (const FaceHandle f : added) report.touched_faces.push_back(static_cast<std::uint32_t>(f.idx()));
-      for (const VertexHandle v : hole.vertices()) report.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
+      for (const VertexHandle v : hole.vertices())
+        report.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
     }
   }
   if (!cycles.empty()) context.progress("fill-holes", 1);

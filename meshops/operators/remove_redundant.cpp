@@ -74,7 +74,8 @@ class Selection {
   std::array<FaceHandle, 3> neighbors(FaceHandle f) const {
     std::array<FaceHandle, 3> result;
     HalfedgeHandle h = mesh_.halfedge_handle(f);
-    for (int k = 0; k < 3; ++k, h = mesh_.next_halfedge_handle(h)) result[k] = mesh_.face_handle(mesh_.opposite_halfedge_handle(h));
+    for (int k = 0; k < 3; ++k, h = mesh_.next_halfedge_handle(h))
+      result[k] = mesh_.face_handle(mesh_.opposite_halfedge_handle(h));
     return result;
   }
   bool at_boundary(FaceHandle f) const {
@@ -104,7 +105,8 @@ class Selection {
       const auto c = corners(f);
       for (int k = 0; k < 3; ++k) {
         const VertexHandle a = c[k], b = c[(k + 1) % 3];
-        const double limit = absolute ? options_.max_length : options_.length_factor * std::max(spacing[a.idx()], spacing[b.idx()]);
+        const double limit =
+            absolute ? options_.max_length : options_.length_factor * std::max(spacing[a.idx()], spacing[b.idx()]);
         if ((view_.point(b) - view_.point(a)).norm() > limit) mark_[i] = too_long;
       }
     }
@@ -177,7 +179,8 @@ class Selection {
     }
   }
 
-  /// The faces around a vertex, counter-clockwise, one list per fan that the mesh has there; `closed` if it is a single whole turn.
+  /// The faces around a vertex, counter-clockwise, one list per fan that the mesh has there; `closed` if it is a single
+  /// whole turn.
   void fans(VertexHandle v, std::vector<std::vector<FaceHandle>>& result, bool& closed) const {
     result.clear();
     closed = false;
@@ -189,7 +192,8 @@ class Selection {
       around.push_back(h);
       h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
     } while (h != start);
-    const auto gap = std::find_if(around.begin(), around.end(), [&](HalfedgeHandle o) { return !mesh_.face_handle(o).is_valid(); });
+    const auto gap =
+        std::find_if(around.begin(), around.end(), [&](HalfedgeHandle o) { return !mesh_.face_handle(o).is_valid(); });
     closed = gap == around.end();
     if (!closed) std::rotate(around.begin(), gap + 1, around.end());
     bool open_new = true;
@@ -299,7 +303,8 @@ class Selection {
           int first, size;
         };
         std::vector<Gap> gaps;
-        for (std::size_t r = 0; r + 1 < runs.size(); ++r) gaps.push_back({runs[r].second, runs[r + 1].first - runs[r].second});
+        for (std::size_t r = 0; r + 1 < runs.size(); ++r)
+          gaps.push_back({runs[r].second, runs[r + 1].first - runs[r].second});
         if (closed) gaps.push_back({runs.back().second, runs.front().first + n - runs.back().second});
         // Of a closed fan one gap, the widest, may stay open.
         std::stable_sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) { return a.size < b.size; });
@@ -341,14 +346,24 @@ const OptionSchema& RemoveRedundantOptions::schema() {
           .number("length-factor", &O::length_factor,
                   {.min = 1, .infinite = true, .help = "longest edge allowed, times the local spacing"})
           .number("max-length", &O::max_length,
-                  {.unit = "mm", .min = 0, .min_open = true, .infinite = true, .help = "longest edge allowed, in place of length-factor"})
-          .angle("max-angle", &O::max_angle, {.min = 0, .max = 180, .help = "largest angle to the reference normal; 180 is off"})
+                  {.unit = "mm",
+                   .min = 0,
+                   .min_open = true,
+                   .infinite = true,
+                   .help = "longest edge allowed, in place of length-factor"})
+          .angle("max-angle", &O::max_angle,
+                 {.min = 0, .max = 180, .help = "largest angle to the reference normal; 180 is off"})
           .angle("max-neighbor-angle", &O::max_neighbor_angle,
-                 {.min = 0, .max = 180, .help = "largest angle to the nearest neighbour without reference normals; 180 is off"})
+                 {.min = 0,
+                  .max = 180,
+                  .help = "largest angle to the nearest neighbour without reference normals; 180 is off"})
           .number("max-outside", &O::max_outside,
-                  {.min = 0, .max = 1, .help = "share of a boundary triangle that may be outside the trimmed region; 1 is off"})
-          .angle("max-boundary-angle", &O::max_boundary_angle,
-                 {.min = 0, .max = 180, .help = "largest angle opposite a boundary edge without a reference; 180 is off"})
+                  {.min = 0,
+                   .max = 1,
+                   .help = "share of a boundary triangle that may be outside the trimmed region; 1 is off"})
+          .angle(
+              "max-boundary-angle", &O::max_boundary_angle,
+              {.min = 0, .max = 180, .help = "largest angle opposite a boundary edge without a reference; 180 is off"})
           .boolean("keep-vertices", &O::keep_vertices, {.help = "no vertex loses its last triangle"})
           .text("normal-property", &O::normal_property, {.help = "vertex property with reference normals"});
   return schema;

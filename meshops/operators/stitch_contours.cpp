@@ -20,12 +20,19 @@ constexpr int passes = 4;
 class Stitcher {
  public:
   Stitcher(MeshView view, const StitchContoursOptions& options, Context& context, Report& report)
-      : view_(view), mesh_(view.mesh), options_(options), context_(context), report_(report), first_new_face_(mesh_.n_faces()),
-        spacing_(local_spacing(view)), facing_(view, spacing_, {options.max_gap, options.max_distance, options.max_turn}) {}
+      : view_(view),
+        mesh_(view.mesh),
+        options_(options),
+        context_(context),
+        report_(report),
+        first_new_face_(mesh_.n_faces()),
+        spacing_(local_spacing(view)),
+        facing_(view, spacing_, {options.max_gap, options.max_distance, options.max_turn}) {}
 
   void run() {
     std::vector<ContourPair> pairs;
-    if (options_.pairs != ContourPairs::found) pairs = options_.reference ? options_.reference->contour_pairs(view_) : marked_pairs();
+    if (options_.pairs != ContourPairs::found)
+      pairs = options_.reference ? options_.reference->contour_pairs(view_) : marked_pairs();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       context_.checkpoint();
       context_.progress("stitch-contours", 0.5 * static_cast<double>(i) / static_cast<double>(pairs.size()));
@@ -83,7 +90,8 @@ class Stitcher {
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       context_.checkpoint();
       if (i % 16 == 0)
-        context_.progress("stitch-contours", 0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / passes);
+        context_.progress("stitch-contours",
+                          0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / passes);
       if (is_corner(seeds[i].first) || is_corner(seeds[i].second)) continue;
       const auto run = facing_.grow(seeds[i]);
       if (run) join(*run);
@@ -95,8 +103,8 @@ class Stitcher {
     return mesh_.face_handle(mesh_.opposite_halfedge_handle(boundary)).idx() >= static_cast<int>(first_new_face_);
   }
 
-  /// Whether the half-edge is on a small loop that stitching left. Such a loop is closed by itself afterwards; joined to the next one it would
-  /// make a handle.
+  /// Whether the half-edge is on a small loop that stitching left. Such a loop is closed by itself afterwards; joined
+  /// to the next one it would make a handle.
   bool is_corner(HalfedgeHandle start) const {
     if (!mesh_.is_boundary(start)) return false;
     bool stitched = false;
@@ -128,7 +136,8 @@ class Stitcher {
     std::vector<Vec3> first, second;
     for (const VertexHandle v : run.first) first.push_back(view_.point(v));
     for (const VertexHandle v : run.second) second.push_back(view_.point(v));
-    const auto steps = triangulate_contours(first, second, [&](int i, int j, ContourStep s) { return allowed(run, i, j, s); });
+    const auto steps =
+        triangulate_contours(first, second, [&](int i, int j, ContourStep s) { return allowed(run, i, j, s); });
     if (!steps) return false;
     std::vector<VertexTriple> strip;
     int i = 0, j = 0;
@@ -189,13 +198,16 @@ class Stitcher {
       for (std::size_t i = 0; i < n;) {
         const int number = value(cycle[(start + i) % n]);
         Contour c{{mesh_.from_vertex_handle(cycle[(start + i) % n])}, false};
-        for (; i < n && value(cycle[(start + i) % n]) == number; ++i) c.vertices.push_back(mesh_.to_vertex_handle(cycle[(start + i) % n]));
+        for (; i < n && value(cycle[(start + i) % n]) == number; ++i)
+          c.vertices.push_back(mesh_.to_vertex_handle(cycle[(start + i) % n]));
         if (number >= 0) contours[number].push_back(std::move(c));
       }
     }
     for (auto& [number, found] : contours) {
-      if (found.size() != 2 || found[0].closed != found[1].closed) skip("pair without two contours");
-      else pairs.push_back({std::move(found[0].vertices), std::move(found[1].vertices), found[0].closed});
+      if (found.size() != 2 || found[0].closed != found[1].closed)
+        skip("pair without two contours");
+      else
+        pairs.push_back({std::move(found[0].vertices), std::move(found[1].vertices), found[0].closed});
     }
     return pairs;
   }
@@ -211,7 +223,8 @@ class Stitcher {
       if (stitched == 0) continue;
       Hole hole(view_, cycle);
       if (!hole.simple()) continue;
-      // The outer rim of two small patches that were joined is no corner. A sheet with n edges around it has fewer than n^2 / 2 faces.
+      // The outer rim of two small patches that were joined is no corner. A sheet with n edges around it has fewer than
+      // n^2 / 2 faces.
       const auto faces = sizes[mesh_.face_handle(mesh_.opposite_halfedge_handle(cycle[0])).idx()];
       const auto edges = static_cast<std::size_t>(hole.size());
       if (2 * faces < edges * edges && 2 * stitched < hole.size() && hole.rim_of_sheet(faces)) continue;
@@ -224,11 +237,14 @@ class Stitcher {
         continue;
       }
       bool cut_down = false;
-      const auto triangles = hole.around_single_triangle() ? std::vector<VertexTriple>()
-                                                           : hole.triangulate(HoleStrategy::minimum_area_dihedral, hole.size(), cut_down);
+      const auto triangles = hole.around_single_triangle()
+                                 ? std::vector<VertexTriple>()
+                                 : hole.triangulate(HoleStrategy::minimum_area_dihedral, hole.size(), cut_down);
       if (!triangles.empty() && width(hole, triangles) > reach(hole)) continue;  // an opening of the part
-      if (!triangles.empty() && add_whole(triangles)) ++corners_;
-      else skip("corner without a triangulation");
+      if (!triangles.empty() && add_whole(triangles))
+        ++corners_;
+      else
+        skip("corner without a triangulation");
     }
   }
 
@@ -244,7 +260,8 @@ class Stitcher {
     for (const VertexTriple& t : triangles)
       area += 0.5 * ((view_.point(t[1]) - view_.point(t[0])) % (view_.point(t[2]) - view_.point(t[0]))).norm();
     const auto& rim = hole.vertices();
-    for (std::size_t i = 0; i < rim.size(); ++i) length += (view_.point(rim[(i + 1) % rim.size()]) - view_.point(rim[i])).norm();
+    for (std::size_t i = 0; i < rim.size(); ++i)
+      length += (view_.point(rim[(i + 1) % rim.size()]) - view_.point(rim[i])).norm();
     return length > 0 ? 4 * area / length : 0;
   }
 
@@ -270,14 +287,26 @@ const OptionSchema& StitchContoursOptions::schema() {
   static const OptionSchema schema =
       Schema<O>()
           .choice("pairs", &O::pairs,
-                  {{"auto", ContourPairs::automatic}, {"given", ContourPairs::given}, {"found", ContourPairs::found}, {"both", ContourPairs::both}},
+                  {{"auto", ContourPairs::automatic},
+                   {"given", ContourPairs::given},
+                   {"found", ContourPairs::found},
+                   {"both", ContourPairs::both}},
                   {.help = "where the pairs of contours come from"})
-          .number("max-gap", &O::max_gap, {.min = 0, .min_open = true, .help = "widest gap of found pairs, times the local spacing"})
+          .number("max-gap", &O::max_gap,
+                  {.min = 0, .min_open = true, .help = "widest gap of found pairs, times the local spacing"})
           .number("max-distance", &O::max_distance,
-                  {.unit = "mm", .min = 0, .min_open = true, .infinite = true, .help = "widest gap of found pairs, in place of max-gap"})
-          .angle("max-turn", &O::max_turn, {.min = 0, .max = 179, .help = "largest angle between a new triangle and the face it joins"})
+                  {.unit = "mm",
+                   .min = 0,
+                   .min_open = true,
+                   .infinite = true,
+                   .help = "widest gap of found pairs, in place of max-gap"})
+          .angle("max-turn", &O::max_turn,
+                 {.min = 0, .max = 179, .help = "largest angle between a new triangle and the face it joins"})
           .integer("max-corner-edges", &O::max_corner_edges,
-                   {.unit = "edges", .min = 0, .max = 200, .help = "longer loops left between contours stay open; 0 closes none"})
+                   {.unit = "edges",
+                    .min = 0,
+                    .max = 200,
+                    .help = "longer loops left between contours stay open; 0 closes none"})
           .text("pair-property", &O::pair_property, {.help = "edge property that numbers given pairs"});
   return schema;
 }
@@ -289,7 +318,8 @@ Report stitch_contours(MeshView view, const StitchContoursOptions& options, Cont
   report.operation = "stitch-contours";
   Stitcher(view, options, context, report).run();
   std::sort(report.touched_vertices.begin(), report.touched_vertices.end());
-  report.touched_vertices.erase(std::unique(report.touched_vertices.begin(), report.touched_vertices.end()), report.touched_vertices.end());
+  report.touched_vertices.erase(std::unique(report.touched_vertices.begin(), report.touched_vertices.end()),
+                                report.touched_vertices.end());
   if (report.faces_added > 0) context.progress("stitch-contours", 1);
   return report;
 }
