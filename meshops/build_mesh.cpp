@@ -1,13 +1,15 @@
 #include "meshops/build_mesh.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <limits>
+#include <string>
 
 #include "meshops/error.hpp"
 #include "meshops/side_pairs.hpp"
-#include "meshops/to_soup.hpp"
 
 namespace tri {
 namespace {
@@ -39,18 +41,80 @@ void check_attributes(const Soup& soup) {
   if (!soup.vertex_normals.empty()) check_attribute("vertex_normals", soup.vertex_normals.size(), soup.points.size());
 }
 
+bool whole_numbers(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double v) {
+    return v == std::floor(v) && std::abs(v) <= static_cast<double>(std::numeric_limits<int>::max());
+  });
+}
+
+template <class T, class Value>
+void add_vertex_property(BuiltMesh& built, const std::string& name, const Value& value) {
+  OpenMesh::VPropHandleT<T> handle;
+  built.mesh.add_property(handle, name);
+  for (const VertexHandle v : built.mesh.vertices()) built.mesh.property(handle, v) = value(built.point_of(v));
+}
+
+/// Soup attributes become properties of the mesh.
+void set_attributes(const Soup& soup, BuiltMesh& built) {
+  Mesh& mesh = built.mesh;
+  const bool has_uv = soup.vertex_scalars.contains("u") && soup.vertex_scalars.contains("v");
+  for (const auto& scalar : soup.vertex_scalars) {
+    const std::string& name = scalar.first;
+    const std::vector<double>& values = scalar.second;  // no binding: lambdas capture none before Clang 16
+    const std::string full = "v:" + name;
+    if (has_uv && name == "v") continue;
+    if (has_uv && name == "u") {
+      const std::vector<double>& v = soup.vertex_scalars.at("v");
+      add_vertex_property<Vec2>(built, property::uv, [&](std::uint32_t i) { return Vec2(values[i], v[i]); });
+    } else if ((full == property::point_index || full == property::cad_face) && whole_numbers(values)) {
+      add_vertex_property<int>(built, full, [&](std::uint32_t i) { return static_cast<int>(values[i]); });
+    } else {
+      add_vertex_property<double>(built, full, [&](std::uint32_t i) { return values[i]; });
+    }
+  }
+  for (const auto& [name, values] : soup.face_scalars) {
+    OpenMesh::FPropHandleT<double> handle;
+    mesh.add_property(handle, "f:" + name);
+    for (const FaceHandle f : mesh.faces()) mesh.property(handle, f) = values[built.triangle_of(f)];
+  }
+  if (!soup.vertex_normals.empty()) {
+    mesh.request_vertex_normals();
+    for (const VertexHandle v : mesh.vertices()) mesh.set_normal(v, soup.vertex_normals[built.point_of(v)]);
+  }
+  if (!soup.vertex_colors.empty()) {
+    mesh.request_vertex_colors();
+    for (const VertexHandle v : mesh.vertices()) {
+      const auto [r, g, b] = soup.vertex_colors[built.point_of(v)];
+      mesh.set_color(v, {r, g, b});
+    }
+  }
+}
+
 bool repeats_vertex(const Triangle& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-/// Writes all links of a manifold triangle list. `twin` is used up: entries become half-edge numbers.
-void link(std::span<const Triangle> triangles, std::size_t vertices, std::vector<std::int32_t>& twin, Mesh& mesh) {
+std::size_t count_edges(const std::vector<std::int32_t>& twin) {
   std::size_t alone = 0;
   for (const std::int32_t t : twin) alone += t == none;
-  mesh.resize(vertices, (twin.size() + alone) / 2, triangles.size());
+  return (twin.size() + alone) / 2;
+}
 
+/// Taking memory costs the mesh as much time as finding its links does, so the two go side by side.
+template <class First, class Second>
+void side_by_side(const Context& context, const First& first, const Second& second) {
+  if (context.threads == 1) {
+    first();
+    second();
+  } else {
+    tbb::parallel_invoke(first, second);
+  }
+}
+
+/// Writes all links of a manifold triangle list. `twin` is used up: entries become half-edge numbers.
+void link(std::span<const Triangle> triangles, std::size_t vertices, std::vector<std::int32_t>& twin, Mesh& mesh) {
+  mesh.resize(vertices, count_edges(twin), triangles.size());
   std::vector<HalfedgeHandle> boundary;
-  boundary.reserve(alone);
   int edges = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Triangle& t = triangles[i];
@@ -97,9 +161,9 @@ void set_figure(Report& report, const char* name, std::size_t count) {
   if (count) report.figures[name] = static_cast<double>(count);
 }
 
-void report_repairs(const ManifoldRepairs& repairs, std::size_t points,
-                    const std::vector<std::uint32_t>& triangle_of_face, Report& report) {
-  const auto triangle = [&](std::uint32_t f) { return triangle_of_face[f]; };
+void report_repairs(const ManifoldRepairs& repairs, BuiltMesh& result) {
+  Report& report = result.report;
+  const auto triangle = [&](std::uint32_t f) { return result.triangle_of(FaceHandle(static_cast<int>(f))); };
   const auto edge = [](const std::array<std::uint32_t, 2>& ends) { return fmt::format("{} - {}", ends[0], ends[1]); };
   set_figure(report, "triangles reversed", repairs.reversed_triangles.size());
   set_figure(report, "edges split", repairs.crowded.size());
@@ -114,7 +178,7 @@ void report_repairs(const ManifoldRepairs& repairs, std::size_t points,
 
   report.vertices_added = repairs.copied_points.size();
   for (std::size_t i = 0; i < repairs.copied_points.size(); ++i)
-    report.touched_vertices.push_back(static_cast<std::uint32_t>(points + i));
+    report.touched_vertices.push_back(static_cast<std::uint32_t>(result.points + i));
   report.touched_faces = repairs.reversed_triangles;
   report.touched_faces.insert(report.touched_faces.end(), repairs.detached_triangles.begin(),
                               repairs.detached_triangles.end());
@@ -124,29 +188,44 @@ void report_repairs(const ManifoldRepairs& repairs, std::size_t points,
 }
 
 /// @param given triangles without a repeated vertex
-void build(std::span<const Vec3> points, std::span<const Triangle> given, SidePairs& pairs, BuiltMesh& result,
+/// @param pair gives the `SidePairs` of them
+template <class Pair>
+void build(std::span<const Vec3> points, std::span<const Triangle> given, const Pair& pair, BuiltMesh& result,
            Context& context) {
+  Mesh& mesh = result.mesh;
+  SidePairs pairs;
+  const auto place_points = [&] {
+    mesh.resize(points.size(), 0, given.size());
+    if (!points.empty()) std::copy(points.begin(), points.end(), &mesh.point(VertexHandle(0)));
+  };
+  side_by_side(
+      context, [&] { pairs = pair(); }, place_points);
+  context.checkpoint();
+  context.progress("build-mesh", 0.4);
+
+  bool manifold = pairs.same_way.empty() && pairs.crowded.empty();
+  if (manifold) {
+    side_by_side(
+        context, [&] { manifold = vertices_with_several_fans(given, points.size(), pairs.twin).empty(); },
+        [&] { mesh.resize(points.size(), count_edges(pairs.twin), given.size()); });
+  }
+  context.checkpoint();
   std::vector<Triangle> repaired;
   ManifoldRepairs repairs;
-  context.checkpoint();
-  if (!pairs.same_way.empty() || !pairs.crowded.empty() ||
-      !vertices_with_several_fans(given, points.size(), pairs.twin).empty()) {
+  if (!manifold) {
     repaired.assign(given.begin(), given.end());
     repairs = make_manifold(repaired, points, pairs, context);
     given = repaired;
+    context.checkpoint();
   }
-  context.checkpoint();
-  context.progress("build-mesh", 0.5);
+  context.progress("build-mesh", 0.6);
 
-  const std::size_t vertices = points.size() + repairs.copied_points.size();
-  link(given, vertices, pairs.twin, result.mesh);
-  result.point_of_vertex.resize(points.size());
-  std::iota(result.point_of_vertex.begin(), result.point_of_vertex.end(), 0u);
-  result.point_of_vertex.insert(result.point_of_vertex.end(), repairs.copied_points.begin(),
-                                repairs.copied_points.end());
-  for (std::size_t v = 0; v < vertices; ++v)
-    result.mesh.set_point(VertexHandle(static_cast<int>(v)), points[result.point_of_vertex[v]]);
-  report_repairs(repairs, points.size(), result.triangle_of_face, result.report);
+  result.points = points.size();
+  result.point_of_copy = repairs.copied_points;
+  link(given, points.size() + repairs.copied_points.size(), pairs.twin, mesh);
+  for (std::size_t i = 0; i < repairs.copied_points.size(); ++i)
+    mesh.set_point(VertexHandle(static_cast<int>(points.size() + i)), points[repairs.copied_points[i]]);
+  report_repairs(repairs, result);
 }
 
 /// For each side the side of the known neighbour on the same edge.
@@ -154,21 +233,22 @@ std::vector<std::int32_t> twins_of_neighbors(std::span<const Triangle> triangles
                                              std::span<const std::array<std::int32_t, 3>> neighbors) {
   if (neighbors.size() != triangles.size())
     throw InvalidInput(fmt::format("{} triples of neighbours for {} triangles", neighbors.size(), triangles.size()));
-  std::vector<std::int32_t> twin(3 * triangles.size());
+  std::vector<std::int32_t> twin(3 * triangles.size(), none);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       // The side from corner k lies opposite corner k - 1.
-      const int opposite = k == 0 ? 2 : k - 1;
-      const std::int32_t other = neighbors[i][opposite];
+      const std::int32_t other = neighbors[i][k == 0 ? 2 : k - 1];
       std::int32_t& entry = twin[3 * i + k];
-      entry = none;
-      if (other == -1) continue;
+      if (other == -1 || entry != none) continue;
       const std::uint32_t from = triangles[i][k], to = triangles[i][k == 2 ? 0 : k + 1];
-      if (other >= 0 && other < static_cast<std::int32_t>(triangles.size())) {
+      // The earlier triangle of a pair sets both; where it has not, the two do not fit.
+      if (other > static_cast<std::int32_t>(i) && other < static_cast<std::int32_t>(triangles.size())) {
         for (int j = 0; j < 3; ++j) {
-          if (triangles[other][j] == to && triangles[other][j == 2 ? 0 : j + 1] == from &&
-              neighbors[other][j == 0 ? 2 : j - 1] == static_cast<std::int32_t>(i))
-            entry = 3 * other + j;
+          if (triangles[other][j] != to || triangles[other][j == 2 ? 0 : j + 1] != from ||
+              neighbors[other][j == 0 ? 2 : j - 1] != static_cast<std::int32_t>(i))
+            continue;
+          entry = 3 * other + j;
+          twin[entry] = static_cast<std::int32_t>(3 * i) + k;
         }
       }
       if (entry == none)
@@ -192,10 +272,7 @@ BuiltMesh build_mesh(const Soup& soup, Context& context) {
   std::vector<std::uint32_t> set_aside;
   for (std::size_t i = 0; i < triangles.size(); ++i)
     if (repeats_vertex(triangles[i])) set_aside.push_back(static_cast<std::uint32_t>(i));
-  if (set_aside.empty()) {
-    result.triangle_of_face.resize(triangles.size());
-    std::iota(result.triangle_of_face.begin(), result.triangle_of_face.end(), 0u);
-  } else {
+  if (!set_aside.empty()) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       if (repeats_vertex(triangles[i])) continue;
       kept.push_back(triangles[i]);
@@ -206,9 +283,9 @@ BuiltMesh build_mesh(const Soup& soup, Context& context) {
     result.report.skipped["names a vertex twice"] = set_aside.size();
     note_places(result.report, set_aside, "set aside triangle", [](std::uint32_t i) { return i; });
   }
-  SidePairs pairs = pair_sides(triangles, soup.points.size(), context);
-  build(soup.points, triangles, pairs, result, context);
-  set_attributes(soup, result.point_of_vertex, result.triangle_of_face, result.mesh);
+  build(
+      soup.points, triangles, [&] { return pair_sides(triangles, soup.points.size(), context); }, result, context);
+  set_attributes(soup, result);
   context.progress("build-mesh", 1);
   return result;
 }
@@ -220,11 +297,12 @@ BuiltMesh build_mesh(std::span<const Vec3> points, std::span<const Triangle> tri
     if (repeats_vertex(triangles[i])) throw InvalidInput(fmt::format("triangle {} names a vertex twice", i));
   context.progress("build-mesh", 0);
   BuiltMesh result;
-  result.triangle_of_face.resize(triangles.size());
-  std::iota(result.triangle_of_face.begin(), result.triangle_of_face.end(), 0u);
-  SidePairs pairs;
-  pairs.twin = twins_of_neighbors(triangles, neighbors);
-  build(points, triangles, pairs, result, context);
+  const auto pair = [&] {
+    SidePairs pairs;
+    pairs.twin = twins_of_neighbors(triangles, neighbors);
+    return pairs;
+  };
+  build(points, triangles, pair, result, context);
   context.progress("build-mesh", 1);
   return result;
 }

@@ -19,9 +19,22 @@ struct BuiltMesh {
   /// figures "triangles reversed", "edges split", "edges cut", "vertices split", "triangles detached"; notes name the
   /// first places of each kind. `touched_faces` were reversed or detached, `touched_vertices` are the copies.
   Report report;
-  /// Index in the soup of each vertex and face. The points of the soup are the first vertices, in order; copies follow.
-  std::vector<std::uint32_t> point_of_vertex;
+
+  /// The points of the soup are the first vertices, in order; copies follow. The point of each copy.
+  std::vector<std::uint32_t> point_of_copy;
+  /// The triangle of each face; empty if no triangle was set aside, so that they are the same.
   std::vector<std::uint32_t> triangle_of_face;
+  std::size_t points = 0;  ///< of the soup
+
+  /// Indices in the soup of a vertex and a face of the mesh as it was built.
+  std::uint32_t point_of(VertexHandle v) const {
+    const auto i = static_cast<std::size_t>(v.idx());
+    return i < points ? static_cast<std::uint32_t>(i) : point_of_copy[i - points];
+  }
+  std::uint32_t triangle_of(FaceHandle f) const {
+    return triangle_of_face.empty() ? static_cast<std::uint32_t>(f.idx())
+                                    : triangle_of_face[static_cast<std::size_t>(f.idx())];
+  }
 };
 
 /// Links triangles with any topology to a half-edge mesh, in bulk (several times faster than `add_face`).
@@ -34,7 +47,7 @@ struct BuiltMesh {
 ///
 /// Vertex scalars become properties "v:NAME" (double; `point_index` and `cad_face` int if they are whole, `u` and `v`
 /// together the Vec2 "v:uv"), face scalars "f:NAME", colours and normals OpenMesh's own attributes. Edges are numbered
-/// by their first side in the order of the triangles. Serial; O(points + triangles).
+/// by their first side in the order of the triangles. O(points + triangles); two threads at most.
 ///
 /// @throws InvalidInput if an index is not below the number of points, an attribute has the wrong length, or there are
 /// more than 2^31 / 3 triangles; Cancelled. The soup is never changed.

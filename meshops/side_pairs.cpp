@@ -1,7 +1,6 @@
 #include "meshops/side_pairs.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
 namespace tri {
@@ -22,6 +21,13 @@ std::int32_t side_of(Entry entry) {
 bool is_forward(Entry entry) {
   return (entry & 1) != 0;
 }
+
+/// Consecutive triangles, and the range of the smaller vertices of their sides.
+struct Block {
+  static constexpr std::size_t size = 1024;
+  std::uint32_t first = 0xffffffff;
+  std::uint32_t last = 0;
+};
 
 void sort_bucket(Entry* begin, Entry* end) {
   if (end - begin > 24) {
@@ -47,11 +53,15 @@ void pair_bucket(Entry* begin, Entry* end, SidePairs& pairs) {
         pairs.twin[a] = b;
         pairs.twin[b] = a;
       } else {
+        pairs.twin[a] = pairs.twin[b] = SidePairs::none;
         pairs.same_way.push_back({a, b});
       }
-    } else if (run - begin > 2) {
-      std::vector<std::int32_t>& sides = pairs.crowded.emplace_back();
-      for (const Entry* i = begin; i < run; ++i) sides.push_back(side_of(*i));
+    } else {
+      if (run - begin > 2) pairs.crowded.emplace_back();
+      for (const Entry* i = begin; i < run; ++i) {
+        pairs.twin[side_of(*i)] = SidePairs::none;
+        if (run - begin > 2) pairs.crowded.back().push_back(side_of(*i));
+      }
     }
     begin = run;
   }
@@ -61,33 +71,47 @@ void pair_bucket(Entry* begin, Entry* end, SidePairs& pairs) {
 
 SidePairs pair_sides(std::span<const Triangle> triangles, std::size_t points, Context& context) {
   SidePairs pairs;
-  std::vector<std::uint32_t> start(points + 1);
-  for (const Triangle& t : triangles) {
-    ++start[std::min(t[0], t[1])];
-    ++start[std::min(t[1], t[2])];
-    ++start[std::min(t[2], t[0])];
-  }
-  std::uint32_t sum = 0;
-  for (std::uint32_t& s : start) sum += std::exchange(s, sum);
-
-  // After the scatter, start[v] is where the bucket of v ends.
-  context.checkpoint();
-  std::unique_ptr<Entry[]> entries(new Entry[sum]);
+  // Sides by smaller vertex, and for each block of triangles the range of these vertices.
+  std::vector<std::uint32_t> count(points);
+  std::vector<Block> blocks;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Triangle& t = triangles[i];
-    const auto side = static_cast<std::uint32_t>(3 * i);
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = t[k], to = t[k == 2 ? 0 : k + 1];
-      const bool forward = from < to;
-      entries[start[forward ? from : to]++] = make_entry(forward ? to : from, side + k, forward);
+    if (i % Block::size == 0) blocks.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = std::min(triangles[i][k], triangles[i][k == 2 ? 0 : k + 1]);
+      ++count[v];
+      blocks.back().first = std::min(blocks.back().first, v);
+      blocks.back().last = std::max(blocks.back().last, v);
     }
   }
-  context.checkpoint();
-  pairs.twin.assign(3 * triangles.size(), SidePairs::none);
-  std::uint32_t begin = 0;
-  for (std::size_t v = 0; v < points; ++v) {
-    if (start[v] > begin + 1) pair_bucket(&entries[begin], &entries[0] + start[v], pairs);
-    begin = start[v];
+  pairs.twin.resize(3 * triangles.size());
+
+  // A few ranges of vertices one after another: their buckets stay in the cache, and need less memory.
+  const std::size_t sides_per_range = std::max<std::size_t>(std::size_t{1} << 19, pairs.twin.size() / 12);
+  std::vector<Entry> entries;
+  for (std::size_t begin = 0, end = 0; begin < points; begin = end) {
+    context.checkpoint();
+    std::size_t sum = 0;
+    while (end < points && (sum == 0 || sum + count[end] <= sides_per_range))
+      sum += std::exchange(count[end++], static_cast<std::uint32_t>(sum));
+    if (entries.size() < sum) entries.resize(sum);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      if (blocks[b].last < begin || blocks[b].first >= end) continue;
+      for (std::size_t i = b * Block::size; i < std::min((b + 1) * Block::size, triangles.size()); ++i) {
+        const Triangle& t = triangles[i];
+        for (int k = 0; k < 3; ++k) {
+          const std::uint32_t from = t[k], to = t[k == 2 ? 0 : k + 1], smaller = std::min(from, to);
+          if (smaller < begin || smaller >= end) continue;
+          entries[count[smaller]++] = make_entry(std::max(from, to), static_cast<std::uint32_t>(3 * i) + k, from < to);
+        }
+      }
+    }
+    // By now count[v] is where the bucket of v ends.
+    Entry* bucket = entries.data();
+    for (std::size_t v = begin; v < end; ++v) {
+      Entry* const bucket_end = entries.data() + count[v];
+      if (bucket < bucket_end) pair_bucket(bucket, bucket_end, pairs);
+      bucket = bucket_end;
+    }
   }
   return pairs;
 }
@@ -96,25 +120,30 @@ std::vector<std::uint32_t> vertices_with_several_fans(std::span<const Triangle> 
                                                       std::span<const std::int32_t> twin) {
   // A fan is walked counter-clockwise; an open one has to be entered at its first triangle, whose side has no twin.
   std::vector<std::int32_t> first(points, SidePairs::none);
-  std::vector<std::uint32_t> corners(points);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = triangles[i][k];
-      const auto side = static_cast<std::int32_t>(3 * i + k);
-      if (corners[v]++ == 0 || twin[side] == SidePairs::none) first[v] = side;
-    }
-  }
-  std::vector<std::uint32_t> several;
-  for (std::size_t v = 0; v < points; ++v) {
-    if (corners[v] == 0) continue;
-    std::uint32_t seen = 0;
+  for (std::size_t side = 0; side < twin.size(); ++side)
+    first[triangles[side / 3][side % 3]] = static_cast<std::int32_t>(side);
+  for (std::size_t side = 0; side < twin.size(); ++side)
+    if (twin[side] == SidePairs::none) first[triangles[side / 3][side % 3]] = static_cast<std::int32_t>(side);
+  const auto fan_size = [&](std::size_t v) {
+    std::uint32_t size = 0;
     std::int32_t side = first[v];
     do {
-      ++seen;
+      ++size;
       side = twin[SidePairs::previous(side)];
     } while (side != SidePairs::none && side != first[v]);
-    if (seen != corners[v]) several.push_back(static_cast<std::uint32_t>(v));
-  }
+    return size;
+  };
+  // Each walk covers one fan; only if something is left over is it worth while to count by vertex.
+  std::size_t covered = 0;
+  for (std::size_t v = 0; v < points; ++v)
+    if (first[v] != SidePairs::none) covered += fan_size(v);
+  std::vector<std::uint32_t> several;
+  if (covered == twin.size()) return several;
+  std::vector<std::uint32_t> corners(points);
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t v : t) ++corners[v];
+  for (std::size_t v = 0; v < points; ++v)
+    if (corners[v] > 0 && fan_size(v) != corners[v]) several.push_back(static_cast<std::uint32_t>(v));
   return several;
 }
 

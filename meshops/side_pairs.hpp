@@ -23,8 +23,9 @@ struct SidePairs {
   /// Three or more sides on one edge, in increasing order; they have no twin yet.
   std::vector<std::vector<std::int32_t>> crowded;
 
-  static std::int32_t next(std::int32_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
-  static std::int32_t previous(std::int32_t side) { return side % 3 == 0 ? side + 2 : side - 1; }
+  // Without branches: which corner comes next is as good as random.
+  static std::int32_t next(std::int32_t side) { return side + 1 - 3 * static_cast<std::int32_t>(side % 3 == 2); }
+  static std::int32_t previous(std::int32_t side) { return side - 1 + 3 * static_cast<std::int32_t>(side % 3 == 0); }
 };
 
 /// Pairs the sides by a counting sort on the smaller vertex of each. O(sides), but O(d log d) for d sides at one

@@ -1,11 +1,9 @@
 #include "meshops/to_soup.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
+#include <span>
 #include <string>
-#include <string_view>
+#include <vector>
 
 namespace tri {
 namespace {
@@ -15,20 +13,6 @@ using Indices = std::span<const std::uint32_t>;
 
 constexpr const char* normals_name = "v:normals";
 constexpr const char* colors_name = "v:colors";
-
-bool whole_numbers(const std::vector<double>& values) {
-  return std::ranges::all_of(values, [](double v) {
-    return v == std::floor(v) && std::abs(v) <= static_cast<double>(std::numeric_limits<int>::max());
-  });
-}
-
-template <class T, class Value>
-void add_vertex_property(Mesh& mesh, const std::string& name, Indices source, const Value& value) {
-  OpenMesh::VPropHandleT<T> handle;
-  mesh.add_property(handle, name);
-  for (std::size_t i = 0; i < source.size(); ++i)
-    mesh.property(handle, VertexHandle(static_cast<int>(i))) = value(source[i]);
-}
 
 /// One number per element that stays, if `property` holds numbers.
 std::optional<std::vector<double>> numbers(const OpenMesh::BaseProperty& property, Indices elements) {
@@ -79,44 +63,6 @@ void gather_vertex_property(const OpenMesh::BaseProperty& property, Indices vert
 }
 
 }  // namespace
-
-void set_attributes(const Soup& soup, Indices point_of_vertex, Indices triangle_of_face, Mesh& mesh) {
-  const bool has_uv = soup.vertex_scalars.contains("u") && soup.vertex_scalars.contains("v");
-  for (const auto& scalar : soup.vertex_scalars) {
-    const std::string& name = scalar.first;
-    const std::vector<double>& values = scalar.second;  // no binding: lambdas capture none before Clang 16
-    const std::string full = "v:" + name;
-    if (has_uv && name == "v") continue;
-    if (has_uv && name == "u") {
-      const std::vector<double>& v = soup.vertex_scalars.at("v");
-      add_vertex_property<Vec2>(mesh, property::uv, point_of_vertex,
-                                [&](std::uint32_t i) { return Vec2(values[i], v[i]); });
-    } else if ((full == property::point_index || full == property::cad_face) && whole_numbers(values)) {
-      add_vertex_property<int>(mesh, full, point_of_vertex,
-                               [&](std::uint32_t i) { return static_cast<int>(values[i]); });
-    } else {
-      add_vertex_property<double>(mesh, full, point_of_vertex, [&](std::uint32_t i) { return values[i]; });
-    }
-  }
-  for (const auto& [name, values] : soup.face_scalars) {
-    OpenMesh::FPropHandleT<double> handle;
-    mesh.add_property(handle, "f:" + name);
-    for (std::size_t i = 0; i < triangle_of_face.size(); ++i)
-      mesh.property(handle, FaceHandle(static_cast<int>(i))) = values[triangle_of_face[i]];
-  }
-  if (!soup.vertex_normals.empty()) {
-    mesh.request_vertex_normals();
-    for (std::size_t i = 0; i < point_of_vertex.size(); ++i)
-      mesh.set_normal(VertexHandle(static_cast<int>(i)), soup.vertex_normals[point_of_vertex[i]]);
-  }
-  if (!soup.vertex_colors.empty()) {
-    mesh.request_vertex_colors();
-    for (std::size_t i = 0; i < point_of_vertex.size(); ++i) {
-      const auto [r, g, b] = soup.vertex_colors[point_of_vertex[i]];
-      mesh.set_color(VertexHandle(static_cast<int>(i)), {r, g, b});
-    }
-  }
-}
 
 Soup to_soup(const MeshView& view) {
   const OpenMesh::TriConnectivity& mesh = view.mesh;

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <span>
-
 #include "meshops/mesh_view.hpp"
 #include "meshops/soup.hpp"
 
@@ -14,10 +11,5 @@ namespace tri {
 /// becomes `u` and `v`; OpenMesh's normals and colours theirs. Properties of other types and unnamed ones have no place
 /// in a soup.
 Soup to_soup(const MeshView& view);
-
-/// Gives `mesh` the attributes of `soup` as properties.
-/// @param point_of_vertex,triangle_of_face indices in the soup of each vertex and face of the mesh
-void set_attributes(const Soup& soup, std::span<const std::uint32_t> point_of_vertex,
-                    std::span<const std::uint32_t> triangle_of_face, Mesh& mesh);
 
 }  // namespace tri

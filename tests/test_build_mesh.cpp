@@ -30,9 +30,7 @@ Soup soup_of(const Mesh& mesh) {
 /// Corners of a face as points of the soup, beginning with its stored half-edge.
 Triangle corners(const BuiltMesh& built, FaceHandle f) {
   const HalfedgeHandle h = built.mesh.halfedge_handle(f);
-  const auto point = [&](HalfedgeHandle side) {
-    return built.point_of_vertex[built.mesh.from_vertex_handle(side).idx()];
-  };
+  const auto point = [&](HalfedgeHandle side) { return built.point_of(built.mesh.from_vertex_handle(side)); };
   const HalfedgeHandle next = built.mesh.next_halfedge_handle(h);
   return {point(h), point(next), point(built.mesh.next_halfedge_handle(next))};
 }
@@ -45,21 +43,23 @@ Triangle sorted(Triangle t) {
 /// What holds for every soup: a valid mesh with the soup's triangles, in order, and its points, copies at their places.
 void check_faithful(const Soup& soup, const BuiltMesh& built) {
   CHECK_VALID_MESH(built.mesh);
-  REQUIRE(built.point_of_vertex.size() == built.mesh.n_vertices());
-  REQUIRE(built.triangle_of_face.size() == built.mesh.n_faces());
+  REQUIRE(built.points == soup.points.size());
+  REQUIRE(built.point_of_copy.size() == built.report.vertices_added);
   REQUIRE(built.mesh.n_vertices() == soup.points.size() + built.report.vertices_added);
-  for (std::size_t v = 0; v < built.point_of_vertex.size(); ++v) {
-    if (v < soup.points.size()) REQUIRE(built.point_of_vertex[v] == v);
-    REQUIRE(built.mesh.point(VertexHandle(static_cast<int>(v))) == soup.points[built.point_of_vertex[v]]);
+  for (const VertexHandle v : built.mesh.vertices()) {
+    if (v.idx() < static_cast<int>(soup.points.size()))
+      REQUIRE(built.point_of(v) == static_cast<std::uint32_t>(v.idx()));
+    REQUIRE(built.mesh.point(v) == soup.points[built.point_of(v)]);
   }
   std::vector<std::uint32_t> expected;
   for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
     const auto [a, b, c] = soup.triangles[i];
     if (a != b && b != c && c != a) expected.push_back(i);
   }
-  REQUIRE(built.triangle_of_face == expected);
+  REQUIRE(built.mesh.n_faces() == expected.size());
+  for (const FaceHandle f : built.mesh.faces()) REQUIRE(built.triangle_of(f) == expected[f.idx()]);
   for (const FaceHandle f : built.mesh.faces())
-    REQUIRE(sorted(corners(built, f)) == sorted(soup.triangles[built.triangle_of_face[f.idx()]]));
+    REQUIRE(sorted(corners(built, f)) == sorted(soup.triangles[built.triangle_of(f)]));
   REQUIRE(built.report.faces_removed == soup.triangles.size() - expected.size());
 }
 
@@ -250,7 +250,7 @@ TEST_CASE("build_mesh: three sheets on one edge, and a bow-tie of two triangles"
       build({.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, .triangles = {{0, 1, 2}, {0, 3, 4}}});
   CHECK(bow_tie.report.vertices_added == 1);
   CHECK(bow_tie.report.touched_vertices == std::vector<std::uint32_t>{5});
-  CHECK(bow_tie.point_of_vertex[5] == 0);
+  CHECK(bow_tie.point_of(VertexHandle(5)) == 0);
 }
 
 TEST_CASE("build_mesh: any soup gives a valid mesh with all its triangles") {
