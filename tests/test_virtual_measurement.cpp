@@ -1,10 +1,15 @@
 #include <doctest/doctest.h>
 
 #include <BRepAdaptor_Surface.hxx>
+#include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepGProp.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
@@ -15,7 +20,9 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Face.hxx>
+#include <algorithm>
 #include <cmath>
+#include <gp_Ax2.hxx>
 #include <gp_Lin.hxx>
 #include <map>
 #include <set>
@@ -166,6 +173,73 @@ TEST_CASE("measure: random points are uniform over the area, between faces and w
     ++counts.at(std::min(bands - 1, int((t.point[2] - 25) / 25 * bands)));
   }
   CHECK(excess(counts, std::vector<double>(bands, n / bands)) < 5);
+}
+
+TEST_CASE("measure: closed faces, poles, an apex and a seam are sampled evenly") {
+  constexpr int bands = 20;
+  constexpr double n = 60000;
+  const auto check_uniform = [&](const TopoDS_Shape& shape, const auto& share) {
+    std::vector<double> counts(bands);
+    double on_face = 0;
+    for (const TruePoint& t : measured(make_shape(shape), {.points = std::uint64_t(n)}).truth) {
+      const double x = share(t);
+      if (x < 0) continue;
+      ++on_face;
+      ++counts.at(std::min(bands - 1, int(x * bands)));
+    }
+    REQUIRE(on_face > n / 4);
+    CHECK(excess(counts, std::vector<double>(bands, on_face / bands)) < 5);
+  };
+  const double full = 2 * std::numbers::pi;
+  const auto turn = [&](const TruePoint& t) {
+    return std::fmod(std::atan2(t.point[1], t.point[0]) + full, full) / full;
+  };
+  const TopoDS_Shape sphere = BRepPrimAPI_MakeSphere(10).Shape();
+  check_uniform(sphere, [](const TruePoint& t) { return (t.point[2] + 10) / 20; });
+  check_uniform(sphere, turn);
+  // The mantle of a cone with its apex at height 20: the area below the apex grows with the square of the depth.
+  const TopoDS_Shape cone = BRepPrimAPI_MakeCone(8, 0, 20).Shape();
+  check_uniform(cone, [](const TruePoint& t) { return t.point[2] < 1e-9 ? -1 : std::pow((20 - t.point[2]) / 20, 2); });
+  // A torus, by the angle about its tube: its area is R phi + r sin phi.
+  const TopoDS_Shape torus = BRepPrimAPI_MakeTorus(10, 4).Shape();
+  check_uniform(torus, [&](const TruePoint& t) {
+    const double phi = std::fmod(std::atan2(t.point[2], std::hypot(t.point[0], t.point[1]) - 10) + full, full);
+    return std::clamp((10 * phi + 4 * std::sin(phi)) / (10 * full), 0.0, 1.0);
+  });
+}
+
+TEST_CASE("measure: a window across the seam of a cylinder stays empty, in every pattern") {
+  // The seam of the cylinder is at +x, where a bore of radius 3 along x leaves a hole.
+  const TopoDS_Shape bore = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(0, 0, 20), gp_Dir(1, 0, 0)), 3, 20).Shape();
+  const Shape shape = make_shape(BRepAlgoAPI_Cut(BRepPrimAPI_MakeCylinder(10, 40).Shape(), bore).Shape());
+  for (const SamplingPattern pattern : all_patterns) {
+    CAPTURE(int(pattern));
+    int around = 0;
+    for (const TruePoint& t : measured(shape, {.points = 30000, .pattern = pattern}).truth) {
+      if (std::abs(std::hypot(t.point[0], t.point[1]) - 10) > 1e-9 || t.point[0] < 0) continue;
+      const double r = std::hypot(t.point[1], t.point[2] - 20);
+      CHECK_UNARY(r > 3 - 1e-6);
+      around += r < 4;
+    }
+    CHECK(around > 20);
+  }
+}
+
+TEST_CASE("measure: all points may be outliers, and noise comes with every pattern") {
+  const Shape shape = example_part("bracket");
+  const VirtualMeasurement far = measured(shape, {.points = 200, .noise = 0.1, .outliers = 1});
+  for (const TruePoint& t : far.truth) CHECK_UNARY(t.outlier);
+  for (const SamplingPattern pattern : all_patterns) {
+    const VirtualMeasurement m = measured(shape, {.points = 2000, .pattern = pattern, .noise = 0.1});
+    double variance = 0;
+    for (std::size_t i = 0; i < m.points.size(); ++i) variance += (m.points[i] - m.truth[i].point).sqrnorm() / 2000;
+    CHECK(std::abs(variance / 0.01 - 1) < 5 * std::sqrt(2.0 / 2000));
+  }
+}
+
+TEST_CASE("measure: a drop-out of no radius leaves nothing out") {
+  const Shape shape = example_part("elbow");
+  CHECK(measured(shape, {.points = 500, .drop_outs = 3}).points == measured(shape, {.points = 500}).points);
 }
 
 TEST_CASE("measure: normals of a solid point outward") {
