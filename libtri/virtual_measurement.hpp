@@ -35,7 +35,8 @@ struct MeasurementOptions {
   std::vector<Vec3> drop_out_centres;  ///< further centres, in the model's frame
 
   /// Directions from the part to the sensor (any length). A point is measured if from one of them it is not hidden and
-  /// seen at most `max_angle` off its outward normal. Empty: all sides are measured.
+  /// seen at most `max_angle` off its normal, as its face is oriented in the shape (loose faces may look inward: sew
+  /// them first). Empty: all sides are measured.
   std::vector<Vec3> views;
   double max_angle = 75 * std::numbers::pi / 180;  ///< rad, in (0, pi/2]
 
