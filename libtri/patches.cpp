@@ -109,8 +109,7 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
   remove("stitch-patches");
 
   Report& flipped = step("flip-diagonals");
-  flipped.edges_flipped = delaunay_flips(mesh, {}, context);
-  flipped.edges_flipped += cost_flips(mesh, {}, context);
+  flipped.edges_flipped = cost_flips(mesh, {}, context);
   flipped.seconds = clock.lap();
 
   result.mesh = measured_part(mesh, feet, false);

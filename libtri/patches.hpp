@@ -46,7 +46,7 @@ struct PatchConnection {
 /// then those on shared edges, which closes the gaps between the contours and the corners where several faces meet; at free edges the mesh recedes
 /// to the outermost points. A triangulation that would change the topology is never taken, so faces with few points or none
 /// come out joined.
-/// (g) Diagonals are flipped until every edge is Delaunay on the surface, then while that lowers area, misfit to the model's normals and shape.
+/// (g) Diagonals are flipped while that lowers the sum of area, misfit to the model's normals and shape.
 ///
 /// @param feet    one per point; points whose foot has face -1 are left out
 /// @param points  mm

@@ -43,6 +43,7 @@ void drop_degenerate(EditMesh& mesh) {
     if (number[i] < 0) continue;
     const auto to = static_cast<std::size_t>(number[i]);
     mesh.triangles[to] = mesh.triangles[i];
+    mesh.creases[to] = mesh.creases[i];
     for (int k = 0; k < 3; ++k) {
       const std::int32_t n = mesh.neighbors[i][k];
       mesh.neighbors[to][k] = n < 0 ? -1 : number[static_cast<std::size_t>(n)];
@@ -50,6 +51,7 @@ void drop_degenerate(EditMesh& mesh) {
   }
   mesh.triangles.resize(static_cast<std::size_t>(count));
   mesh.neighbors.resize(static_cast<std::size_t>(count));
+  mesh.creases.resize(static_cast<std::size_t>(count));
 }
 
 void split_fans(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain) {
@@ -111,7 +113,9 @@ std::int32_t halve(EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_
   const auto half = static_cast<std::int32_t>(mesh.triangles.size());
   mesh.triangles.push_back({m, b, c});
   mesh.neighbors.push_back({beyond, t, -1});
-  mesh.creases.push_back(0);
+  const auto crease = [&](int corner) { return static_cast<std::uint8_t>(mesh.creases[i] >> (corner % 3) & 1); };
+  mesh.creases.push_back(static_cast<std::uint8_t>(crease(k + 1) | crease(k) << 2));  // across (b, c) and (m, b)
+  mesh.creases[i] &= static_cast<std::uint8_t>(~(1 << ((k + 1) % 3)));
   if (beyond >= 0) mesh.neighbors[static_cast<std::size_t>(beyond)][opposite(mesh, beyond, c, b)] = half;
   mesh.triangles[i][(k + 2) % 3] = m;
   mesh.neighbors[i][(k + 1) % 3] = half;
@@ -225,9 +229,10 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
       if (a[(k + 1) % 3] != b[(j + 2) % 3] || a[(k + 2) % 3] != b[(j + 1) % 3]) continue;
       mesh.neighbors[static_cast<std::size_t>(t)][k] = u;
       mesh.neighbors[static_cast<std::size_t>(u)][j] = t;
+      mesh.creases[static_cast<std::size_t>(t)] |= static_cast<std::uint8_t>(1 << k);
+      mesh.creases[static_cast<std::size_t>(u)] |= static_cast<std::uint8_t>(1 << j);
     }
   drop_degenerate(mesh);
-  mesh.creases.assign(mesh.triangles.size(), 0);
   split_fans(mesh, on_chain);
   mesh.index_vertices();
   split_double_edges(mesh, on_chain);

@@ -14,6 +14,7 @@ namespace tri {
 /// A side that is not shared by exactly two triangles running against each other stays open. Triangles that a pole has made
 /// degenerate are dropped. Where several fans of triangles meet in a vertex, all but the first get a copy of it that stands for
 /// no measured point; where two edges join the same two vertices, one is split by a new vertex.
+/// Shared edges of the model are creases of the mesh.
 /// @param vertices  of the mesh; those that no triangle uses keep `vertex_triangle` -1
 /// @param on_chain  per vertex: whether it may be on the chain of an edge
 EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patches, const std::vector<std::size_t>& chain_sizes,
