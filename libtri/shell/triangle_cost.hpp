@@ -34,9 +34,11 @@ class TriangleCost {
   double operator()(const Triangle& t) const { return (*this)(t[0], t[1], t[2]); }
 
  private:
-  /// Needles grow costlier slowly: enough to prefer the better of two, not enough to fold the surface for it.
+  /// Needles grow costlier slowly: enough to prefer the better of two, not enough to fold the surface for it. The bound keeps
+  /// rounding from deciding between two without area.
   static double needle_shape(double squares, double twice_area) {
-    return needle + 20 * std::log(squares / std::max(twice_area * needle, 1e-30 * squares));
+    constexpr double thinnest = 1e-8;
+    return needle + 20 * std::log(squares / (needle * std::max(twice_area, thinnest * squares)));
   }
 
   static constexpr double shape_weight = 0.005;
