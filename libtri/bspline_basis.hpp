@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "libtri/surface.hpp"
@@ -80,12 +82,49 @@ class BSplineBasis {
     }
   }
 
+  /// Calls use(s, a, b) with pieces of [low, high], each within one span, that cover it; across the seam if there is a
+  /// period. Pieces too short for differences of control points to be told from rounding are widened within their span.
+  template <class Use>
+  void for_each_piece(double low, double high, Use&& use) const {
+    if (period_ > 0) {
+      const double shift = std::floor((low - first()) / period_) * period_;
+      low -= shift;
+      high -= shift;
+      if (high - low >= period_) {
+        low = first();
+        high = last();
+      }
+      if (high > last()) {
+        pieces_within(first(), high - period_, use);
+        high = last();
+      }
+    }
+    pieces_within(low, high, use);
+  }
+
   /// The map from the degree + 1 control points of span s to the Bezier points over [a,b], by blossoming [Ramshaw
   /// 1989]: Bezier point i = sum over j of matrix[i * (degree + 1) + j] * control first_control(s) + j.
   void bezier_matrix(int s, double a, double b, double* matrix) const;
 
  private:
   double wrap(double t) const;
+
+  template <class Use>
+  void pieces_within(double low, double high, Use&& use) const {
+    const int s0 = span(low);
+    int s1 = span(high);
+    if (s1 > s0 && high == span_begin(s1)) --s1;
+    for (int s = s0; s <= s1; ++s) {
+      double a = s == s0 ? low : span_begin(s), b = s == s1 ? high : span_end(s);
+      const double least = 1e-3 * (span_end(s) - span_begin(s));
+      if (b - a < least) {
+        const double middle = std::clamp((a + b) / 2, span_begin(s) + least / 2, span_end(s) - least / 2);
+        a = std::min(a, middle - least / 2);
+        b = std::max(b, middle + least / 2);
+      }
+      use(s, a, b);
+    }
+  }
 
   int degree_;
   std::vector<double> knots_;

@@ -238,30 +238,8 @@ void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0
 
 SurfaceBounds BSplineSurface::bounds(double u0, double u1, double v0, double v1) const {
   double most[4][4] = {};
-  // A closed direction may be asked for across its seam.
-  const auto pieces = [](const BSplineBasis& basis, double a, double b, auto&& use) {
-    if (basis.period() > 0) {
-      const double shift = std::floor((a - basis.first()) / basis.period()) * basis.period();
-      a -= shift;
-      b -= shift;
-      if (b - a >= basis.period()) {
-        a = basis.first();
-        b = basis.last();
-      }
-      if (b > basis.last()) {
-        for (int s = 0, end = basis.span(b - basis.period()); s <= end; ++s)
-          use(s, basis.span_begin(s), std::min(basis.span_end(s), b - basis.period()));
-        b = basis.last();
-      }
-    }
-    const int s0 = basis.span(a);
-    int s1 = basis.span(b);
-    if (s1 > s0 && b == basis.span_begin(s1)) --s1;
-    for (int s = s0; s <= s1; ++s) use(s, s == s0 ? a : basis.span_begin(s), s == s1 ? b : basis.span_end(s));
-  };
-  pieces(u_, u0, u1, [&](int su, double ua, double ub) {
-    pieces(v_, v0, v1, [&](int sv, double va, double vb) {
-      if (!(ub > ua) || !(vb > va)) return;
+  u_.for_each_piece(u0, u1, [&](int su, double ua, double ub) {
+    v_.for_each_piece(v0, v1, [&](int sv, double va, double vb) {
       double one[4][4] = {};
       span_bounds(su, sv, ua, ub, va, vb, one);
       for (int k = 0; k < 4; ++k)

@@ -28,12 +28,10 @@ bool crosses(const std::vector<ParameterBreak>& breaks, double period, double lo
 
 class Builder {
  public:
-  Builder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, const TrimRegion& region,
-          double diagonal, std::vector<CurvePiece>& out)
+  Builder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal, std::vector<CurvePiece>& out)
       : curve_(curve),
         index_(index),
         surface_(surface),
-        region_(region),
         diagonal_(diagonal),
         out_(out),
         u_(surface.u_breaks()),
@@ -73,11 +71,7 @@ class Builder {
     const double grow_u = c.dd[0] * h * h / 8, grow_v = c.dd[1] * h * h / 8;
     const double u0 = std::min(a[0], b[0]) - grow_u, u1 = std::max(a[0], b[0]) + grow_u;
     const double v0 = std::min(a[1], b[1]) - grow_v, v1 = std::max(a[1], b[1]) + grow_v;
-    // Over a sliver the differences of control points would drown in rounding.
-    const double du = 1e-4 * (region_.u_max() - region_.u_min()), dv = 1e-4 * (region_.v_max() - region_.v_min());
-    const double ua = u1 - u0 < du ? u0 - du : u0, ub = u1 - u0 < du ? u1 + du : u1;
-    const double va = v1 - v0 < dv ? v0 - dv : v0, vb = v1 - v0 < dv ? v1 + dv : v1;
-    const SurfaceBounds s = surface_.bounds(ua, ub, va, vb);
+    const SurfaceBounds s = surface_.bounds(u0, u1, v0, v1);
     PieceBounds out;
     out.first = s.du * c.d[0] + s.dv * c.d[1];
     out.second = s.duu * c.d[0] * c.d[0] + 2 * s.duv * c.d[0] * c.d[1] + s.dvv * c.d[1] * c.d[1] + s.du * c.dd[0] +
@@ -118,7 +112,6 @@ class Builder {
   const FaceCurve& curve_;
   std::uint32_t index_;
   const Surface& surface_;
-  const TrimRegion& region_;
   double diagonal_;
   std::vector<CurvePiece>& out_;
   std::vector<ParameterBreak> u_, v_;
@@ -230,9 +223,9 @@ Box CurvePiece::box() const {
   return {center - reach, center + reach};
 }
 
-void make_pieces(const FaceCurve& curve, std::uint32_t index, const Surface& surface, const TrimRegion& region,
-                 double diagonal, std::vector<CurvePiece>& pieces) {
-  Builder(curve, index, surface, region, diagonal, pieces).run();
+void make_pieces(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal,
+                 std::vector<CurvePiece>& pieces) {
+  Builder(curve, index, surface, diagonal, pieces).run();
 }
 
 void closest_on_piece(const CurvePiece& piece, std::uint32_t index, const FaceCurve& curve, const Surface& surface,

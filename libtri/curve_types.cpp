@@ -156,20 +156,7 @@ class BSplineCurve final : public CurveBase<Vec> {
 
   CurveBounds<Vec> bounds(double t0, double t1) const override {
     CurveBounds<Vec> most{filled<Vec>(0), filled<Vec>(0), filled<Vec>(0)};
-    if (basis_.period() > 0) {
-      const double shift = std::floor((t0 - basis_.first()) / basis_.period()) * basis_.period();
-      t0 -= shift;
-      t1 -= shift;
-      if (t1 - t0 >= basis_.period()) {
-        t0 = basis_.first();
-        t1 = basis_.last();
-      }
-      if (t1 > basis_.last()) {
-        add_bounds(basis_.first(), t1 - basis_.period(), most);
-        t1 = basis_.last();
-      }
-    }
-    add_bounds(t0, t1, most);
+    basis_.for_each_piece(t0, t1, [&](int s, double a, double b) { add_span_bounds(s, a, b, most); });
     return most;
   }
 
@@ -191,16 +178,6 @@ class BSplineCurve final : public CurveBase<Vec> {
       if (!rational_) continue;
       for (int i = 1; i <= k; ++i) out[k] -= out[k - i] * (choose[k][i] * a[i][dim]);
       out[k] /= a[0][dim];
-    }
-  }
-
-  void add_bounds(double t0, double t1, CurveBounds<Vec>& most) const {
-    const int s0 = basis_.span(t0);
-    int s1 = basis_.span(t1);
-    if (s1 > s0 && t1 == basis_.span_begin(s1)) --s1;
-    for (int s = s0; s <= s1; ++s) {
-      const double a = s == s0 ? t0 : basis_.span_begin(s), b = s == s1 ? t1 : basis_.span_end(s);
-      if (b > a) add_span_bounds(s, a, b, most);
     }
   }
 

@@ -115,10 +115,7 @@ Registration::Impl::Impl(const CadModel& model_in) {
   std::vector<std::vector<CurvePiece>> per_curve(curves.size());
   tbb::parallel_for(std::size_t{0}, curves.size(), [&](std::size_t c) {
     const auto index = static_cast<std::uint32_t>(c);
-    if (!repeats(index)) {
-      const std::uint32_t f = curves[c].face;
-      make_pieces(curves[c], index, *model.faces[f].surface, regions[f], diagonal, per_curve[c]);
-    }
+    if (!repeats(index)) make_pieces(curves[c], index, *model.faces[curves[c].face].surface, diagonal, per_curve[c]);
   });
   for (const auto& some : per_curve) pieces.insert(pieces.end(), some.begin(), some.end());
 

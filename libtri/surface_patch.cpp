@@ -198,6 +198,53 @@ float up(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
+// How much the Hessian may change over a patch, and whether it stays positive definite for points near the surface.
+//
+// With |x| the bound over the patch and c its centre, |S_i(y).S_jk(z)| <= |S_i(c).S_jk(c)| + |S_i| |dS_jk| + |S_jk| |dS_i|
+// for all y, z in the patch. These products bound how the metric S_i.S_j and the term (S - p).S_jk change between two
+// places whose (a,b) differ by at most 2 in each coordinate.
+struct Certificate {
+  double first[2], second[3], e0[3], e1[3];
+
+  Certificate(const Local& s, const SurfaceBounds& bounds, double hu, double hv, double diagonal)
+      : first{bounds.du * hu, bounds.dv * hv},
+        second{bounds.duu * hu * hu, bounds.duv * hu * hv, bounds.dvv * hv * hv},
+        aa_(s.a | s.a),
+        ab_(s.a | s.b),
+        bb_(s.b | s.b) {
+    const double third[4] = {bounds.duuu * hu * hu * hu, bounds.duuv * hu * hu * hv, bounds.duvv * hu * hv * hv,
+                             bounds.dvvv * hv * hv * hv};
+    const Vec3* d1[2] = {&s.a, &s.b};
+    const Vec3* d2[3] = {&s.aa, &s.ab, &s.bb};
+    double product[2][3];
+    for (int k = 0; k < 3; ++k) {
+      const double from_center = std::min(third[k] + third[k + 1], 2 * second[k]);
+      e1[k] = 2 * std::min(from_center, second[k]);
+      for (int i = 0; i < 2; ++i)
+        product[i][k] = std::min(first[i] * second[k], std::abs(*d1[i] | *d2[k]) + first[i] * from_center +
+                                                           second[k] * (second[i] + second[i + 1]));
+    }
+    e0[0] = 4 * (product[0][0] + product[0][1]) + 2 * (product[0][0] + product[1][0]);
+    e0[1] = 2 * (product[1][0] + product[0][1] + product[1][1] + product[0][2]) + 2 * (product[0][1] + product[1][1]);
+    e0[2] = 4 * (product[1][1] + product[1][2]) + 2 * (product[0][2] + product[1][2]);
+    const double radius =
+        std::min(second[0] > 0 ? aa_ / second[0] : diagonal, second[2] > 0 ? bb_ / second[2] : diagonal);
+    const double distance = std::min(1e-3 * diagonal, 0.25 * radius);
+    for (int k = 0; k < 3; ++k) change_[k] = e0[k] + distance * (e1[k] + second[k]);
+  }
+
+  bool holds() const {
+    const double a = aa_ - change_[0], b = bb_ - change_[2], mixed = std::abs(ab_) + change_[1];
+    return a > 0 && b > 0 && a * b > mixed * mixed;
+  }
+  double badness() const {
+    return std::max(change_[0] / aa_, change_[2] / bb_) + change_[1] / std::sqrt(aa_ * bb_);
+  }
+
+ private:
+  double aa_, ab_, bb_, change_[3];
+};
+
 class Builder {
  public:
   Builder(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
@@ -253,45 +300,49 @@ class Builder {
     const Local s = evaluate(patch, surface_, 0, 0);
     patch.center = s.p;
     const SurfaceBounds bounds = proven(u0, u1, v0, v1, s, patch);
-    const double hu = patch.half_u, hv = patch.half_v;
-    const double la = bounds.du * hu, lb = bounds.dv * hv;
-    const double maa = bounds.duu * hu * hu, mab = bounds.duv * hu * hv, mbb = bounds.dvv * hv * hv;
-    const double remainder = maa / 2 + mab + mbb / 2;
-    const bool good = certify(patch, s, bounds, la, lb, maa, mab, mbb) && remainder <= 0.1 * std::max(la, lb);
-    const double longest = std::max(la, lb);
+    const Certificate whole(s, bounds, patch.half_u, patch.half_v, diagonal_);
+    const double la = whole.first[0], lb = whole.first[1];
+    const double remainder = whole.second[0] / 2 + whole.second[1] + whole.second[2] / 2;
+    const bool flat = remainder <= 0.1 * std::max(la, lb);
+    const bool good = flat && (closed_form_ || whole.holds());
+    const bool too_long = std::max(la, lb) > diagonal_ / 24;
     const bool crowded = out_.size() - begin_ > 100000;
-    // Along the direction in which the surface bends, a patch may get narrower than along a ruling.
-    const bool bends_in_a = maa + mab > mbb + mab || (maa == mbb && la >= lb);
-    const double bending = bends_in_a ? la : lb;
-    const bool too_long = longest > diagonal_ / 24;
-    const bool refine = !good && !crowded && bending > diagonal_ / 2000;
-    if ((too_long || refine) && depth < 40) {
-      const bool in_a = too_long ? la >= lb : bends_in_a;
-      if (in_a) {
-        split(u0, patch.u, v0, v1, depth + 1);
-        split(patch.u, u1, v0, v1, depth + 1);
-      } else {
-        split(u0, u1, v0, patch.v, depth + 1);
-        split(u0, u1, patch.v, v1, depth + 1);
+    if ((too_long || (!good && !crowded)) && depth < 60) {
+      // The half that is better to have, told from the bounds of the whole.
+      bool in_a = la >= lb;
+      if (!too_long && closed_form_) in_a = whole.second[0] > whole.second[2] || (whole.second[0] == whole.second[2] && la >= lb);
+      if (!too_long && !closed_form_) {
+        const Local half_a{s.p, s.a / 2.0, s.b, s.aa / 4.0, s.ab / 2.0, s.bb};
+        const Local half_b{s.p, s.a, s.b / 2.0, s.aa, s.ab / 2.0, s.bb / 4.0};
+        in_a = Certificate(half_a, bounds, patch.half_u / 2, patch.half_v, diagonal_).badness() <
+               Certificate(half_b, bounds, patch.half_u, patch.half_v / 2, diagonal_).badness();
       }
-      return;
+      const double least = diagonal_ / 2000;
+      if ((in_a ? la : lb) < least && (in_a ? lb : la) > least) in_a = !in_a;
+      if (too_long || (in_a ? la : lb) > least) {
+        if (in_a) {
+          split(u0, patch.u, v0, v1, depth + 1);
+          split(patch.u, u1, v0, v1, depth + 1);
+        } else {
+          split(u0, u1, v0, patch.v, depth + 1);
+          split(u0, u1, patch.v, v1, depth + 1);
+        }
+        return;
+      }
     }
-    patch.first[0] = up(la);
-    patch.first[1] = up(lb);
-    patch.second[0] = up(maa);
-    patch.second[1] = up(mab);
-    patch.second[2] = up(mbb);
+    for (int k = 0; k < 2; ++k) patch.first[k] = up(whole.first[k]);
+    for (int k = 0; k < 3; ++k) {
+      patch.second[k] = up(whole.second[k]);
+      patch.e0[k] = up(whole.e0[k] * (1 + 1e-6));
+      patch.e1[k] = up(whole.e1[k] * (1 + 1e-6));
+    }
     orient(patch, s, remainder);
     out_.push_back(patch);
   }
 
   // Where nothing is proven (an offset beside a pole of its base), samples stand in with a wide margin.
   SurfaceBounds proven(double u0, double u1, double v0, double v1, const Local& s, const SurfacePatch& patch) const {
-    // Over a sliver the differences of control points would drown in rounding.
-    const double du = 1e-5 * (region_.u_max() - region_.u_min()), dv = 1e-5 * (region_.v_max() - region_.v_min());
-    const double ua = u1 - u0 < du ? u0 - du : u0, ub = u1 - u0 < du ? u1 + du : u1;
-    const double va = v1 - v0 < dv ? v0 - dv : v0, vb = v1 - v0 < dv ? v1 + dv : v1;
-    SurfaceBounds b = surface_.bounds(ua, ub, va, vb);
+    SurfaceBounds b = surface_.bounds(u0, u1, v0, v1);
     if (std::isfinite(b.du + b.dv + b.duu + b.duv + b.dvv)) return b;
     double most[5] = {s.a.norm(), s.b.norm(), s.aa.norm(), s.ab.norm(), s.bb.norm()};
     for (int i = -2; i <= 2; ++i) {
@@ -310,47 +361,6 @@ class Builder {
     b.dvv = 2 * most[4] / (hv * hv);
     b.duuu = b.duuv = b.duvv = b.dvvv = SurfaceBounds::unknown;
     return b;
-  }
-
-  // Sets e0 and e1; true if the test holds for points near the surface.
-  //
-  // With |x| the bound over the patch and c its centre, |S_i(y).S_jk(z)| <= |S_i(c).S_jk(c)| + |S_i| |dS_jk| +
-  // |S_jk| |dS_i| for all y, z in the patch. These bound how the metric S_i.S_j and the term (S - p).S_jk change
-  // between two places whose (a,b) differ by at most 2 in each coordinate.
-  bool certify(SurfacePatch& patch, const Local& s, const SurfaceBounds& bounds, double la, double lb, double maa,
-               double mab, double mbb) const {
-    const double hu = patch.half_u, hv = patch.half_v;
-    const double first[2] = {la, lb};
-    const double second[3] = {maa, mab, mbb};
-    const double third[4] = {bounds.duuu * hu * hu * hu, bounds.duuv * hu * hu * hv, bounds.duvv * hu * hv * hv,
-                             bounds.dvvv * hv * hv * hv};
-    const Vec3* d1[2] = {&s.a, &s.b};
-    const Vec3* d2[3] = {&s.aa, &s.ab, &s.bb};
-    double change[3], product[2][3];
-    for (int k = 0; k < 3; ++k) {
-      const double from_center = std::min(third[k] + third[k + 1], 2 * second[k]);
-      change[k] = 2 * from_center;
-      if (!(change[k] <= 2 * second[k])) change[k] = 2 * second[k];
-      for (int i = 0; i < 2; ++i)
-        product[i][k] = std::min(first[i] * second[k], std::abs(*d1[i] | *d2[k]) + first[i] * from_center +
-                                                           second[k] * (second[i] + second[i + 1]));
-    }
-    const double e0[3] = {
-        4 * (product[0][0] + product[0][1]) + 2 * (product[0][0] + product[1][0]),
-        2 * (product[1][0] + product[0][1] + product[1][1] + product[0][2]) + 2 * (product[0][1] + product[1][1]),
-        4 * (product[1][1] + product[1][2]) + 2 * (product[0][2] + product[1][2])};
-    for (int k = 0; k < 3; ++k) {
-      patch.e0[k] = up(e0[k] * (1 + 1e-6));
-      patch.e1[k] = up(change[k] * (1 + 1e-6));
-    }
-    if (closed_form_) return true;
-    Quadric q{0, 0, s.a | s.a, s.a | s.b, s.b | s.b, 0};
-    const double radius = std::min(maa > 0 ? q.aa / maa : diagonal_, mbb > 0 ? q.bb / mbb : diagonal_);
-    q.distance = std::min(1e-3 * diagonal_, 0.25 * radius);
-    q.aa -= q.distance * maa;
-    q.bb -= q.distance * mbb;
-    q.ab = std::abs(q.ab) + q.distance * mab;
-    return convex(patch, q, 1);
   }
 
   static void orient(SurfacePatch& patch, const Local& s, double remainder) {
