@@ -16,7 +16,7 @@ class BSplineBasis {
  public:
   static constexpr int max_degree = 25;   ///< what OpenCASCADE allows
   static constexpr int max_order = 3;     ///< highest derivative
-  static constexpr int table_degree = 5;  ///< up to this degree each span keeps its polynomials
+  static constexpr int table_degree = 9;  ///< up to this degree each span keeps its polynomials
 
   /// @param degree 1 to max_degree
   /// @param knots  non-decreasing, every knot repeated by its multiplicity; more than 2 * degree + 1 of them
@@ -63,22 +63,29 @@ class BSplineBasis {
   /// out[k * (degree + 1) + i] is derivative k of function first_control(s) + i.
   void derivatives(int s, double t, int order, double* out) const;
 
-  /// Values, first and second derivatives by the span's own polynomials; P is degree(), at most table_degree.
+  /// Values, first and second derivatives by the span's own polynomials, laid out as by `derivatives`.
+  /// @tparam P degree(), at most table_degree; or 0 to leave it to run time
   template <int P>
-  void values2(int s, double t, double out[3][P + 1]) const {
-    const double* c = table_.data() + static_cast<std::size_t>(s) * (P + 1) * (P + 1);
+  void values2(int s, double t, double* out) const {
+    const int m = (P > 0 ? P : degree_) + 1;
+    const double* c = table_.data() + static_cast<std::size_t>(s) * m * m;
     const double scale = table_scale_[s];
     const double x = (t - table_middle_[s]) * scale;
-    for (int i = 0; i <= P; ++i) {
-      double f = c[P * (P + 1) + i], d = 0, dd = 0;
-      for (int k = P - 1; k >= 0; --k) {
-        dd = dd * x + d;
-        d = d * x + f;
-        f = f * x + c[k * (P + 1) + i];
+    double *f = out, *d = out + m, *dd = out + 2 * m;
+    for (int i = 0; i < m; ++i) {
+      f[i] = c[(m - 1) * m + i];
+      d[i] = dd[i] = 0;
+    }
+    for (int k = m - 2; k >= 0; --k) {
+      for (int i = 0; i < m; ++i) {
+        dd[i] = dd[i] * x + d[i];
+        d[i] = d[i] * x + f[i];
+        f[i] = f[i] * x + c[k * m + i];
       }
-      out[0][i] = f;
-      out[1][i] = d * scale;
-      out[2][i] = 2 * dd * scale * scale;
+    }
+    for (int i = 0; i < m; ++i) {
+      d[i] *= scale;
+      dd[i] *= 2 * scale * scale;
     }
   }
 

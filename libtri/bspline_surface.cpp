@@ -17,37 +17,52 @@ using Evaluator = SurfacePoint (*)(const BSplineSurface&, double, double);
 
 }  // namespace
 
+// Degrees of 0 stand for any up to BSplineBasis::table_degree, known at run time only.
 template <int PU, int PV, bool Rational>
-SurfacePoint BSplineSurface::evaluate_fixed(const BSplineSurface& s, double u, double v) {
+SurfacePoint BSplineSurface::evaluate_table(const BSplineSurface& s, double u, double v) {
   constexpr int n = Rational ? 4 : 3;
+  constexpr int most = BSplineBasis::table_degree;
+  constexpr int mu = PU > 0 ? PU + 1 : most + 1, mv = PV > 0 ? PV + 1 : most + 1;
+  const int pu = PU > 0 ? PU : s.u_.degree(), pv = PV > 0 ? PV : s.v_.degree();
   u = s.u_.wrapped(u);
   v = s.v_.wrapped(v);
   const int su = s.u_.span(u), sv = s.v_.span(v);
-  double bu[3][PU + 1], bv[3][PV + 1];
+  double bu[3 * mu], bv[3 * mv];
   s.u_.values2<PU>(su, u, bu);
   s.v_.values2<PV>(sv, v, bv);
-  const int stride = s.v_.count() * n;
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(s.v_.count()) * n;
   const double* poles =
-      s.poles_.data() + static_cast<std::ptrdiff_t>(s.u_.first_control(su)) * stride + s.v_.first_control(sv) * n;
-  double a00[n] = {}, a10[n] = {}, a01[n] = {}, a20[n] = {}, a11[n] = {}, a02[n] = {};
-  for (int i = 0; i <= PU; ++i) {
-    const double* row = poles + static_cast<std::ptrdiff_t>(i) * stride;
-    double r0[n] = {}, r1[n] = {}, r2[n] = {};
-    for (int j = 0; j <= PV; ++j) {
-      for (int c = 0; c < n; ++c) {
-        const double q = row[j * n + c];
-        r0[c] += bv[0][j] * q;
-        r1[c] += bv[1][j] * q;
-        r2[c] += bv[2][j] * q;
-      }
+      s.poles_.data() + s.u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(s.v_.first_control(sv)) * n;
+  // Along u first: whole rows of control points at a time.
+  double r0[mv * n], r1[mv * n], r2[mv * n];
+  const int width = (pv + 1) * n;
+  for (int x = 0; x < width; ++x) {
+    const double q = poles[x];
+    r0[x] = bu[0] * q;
+    r1[x] = bu[pu + 1] * q;
+    r2[x] = bu[2 * (pu + 1)] * q;
+  }
+  for (int i = 1; i <= pu; ++i) {
+    const double* row = poles + i * stride;
+    const double b0 = bu[i], b1 = bu[pu + 1 + i], b2 = bu[2 * (pu + 1) + i];
+    for (int x = 0; x < width; ++x) {
+      const double q = row[x];
+      r0[x] += b0 * q;
+      r1[x] += b1 * q;
+      r2[x] += b2 * q;
     }
+  }
+  double a00[n] = {}, a10[n] = {}, a01[n] = {}, a20[n] = {}, a11[n] = {}, a02[n] = {};
+  for (int j = 0; j <= pv; ++j) {
+    const double b0 = bv[j], b1 = bv[pv + 1 + j], b2 = bv[2 * (pv + 1) + j];
     for (int c = 0; c < n; ++c) {
-      a00[c] += bu[0][i] * r0[c];
-      a10[c] += bu[1][i] * r0[c];
-      a20[c] += bu[2][i] * r0[c];
-      a01[c] += bu[0][i] * r1[c];
-      a11[c] += bu[1][i] * r1[c];
-      a02[c] += bu[0][i] * r2[c];
+      const double q0 = r0[j * n + c], q1 = r1[j * n + c];
+      a00[c] += b0 * q0;
+      a01[c] += b1 * q0;
+      a02[c] += b2 * q0;
+      a10[c] += b0 * q1;
+      a11[c] += b1 * q1;
+      a20[c] += b0 * r2[j * n + c];
     }
   }
   SurfacePoint out;
@@ -96,21 +111,19 @@ BSplineSurface::BSplineSurface(BSplineBasis u, BSplineBasis v, const std::vector
   evaluate_ = evaluate_any;
   const int pu = u_.degree(), pv = v_.degree();
   static constexpr std::array<std::array<std::array<Evaluator, 3>, 3>, 2> small = {{
-      {{{evaluate_fixed<1, 1, false>, evaluate_fixed<1, 2, false>, evaluate_fixed<1, 3, false>},
-        {evaluate_fixed<2, 1, false>, evaluate_fixed<2, 2, false>, evaluate_fixed<2, 3, false>},
-        {evaluate_fixed<3, 1, false>, evaluate_fixed<3, 2, false>, evaluate_fixed<3, 3, false>}}},
-      {{{evaluate_fixed<1, 1, true>, evaluate_fixed<1, 2, true>, evaluate_fixed<1, 3, true>},
-        {evaluate_fixed<2, 1, true>, evaluate_fixed<2, 2, true>, evaluate_fixed<2, 3, true>},
-        {evaluate_fixed<3, 1, true>, evaluate_fixed<3, 2, true>, evaluate_fixed<3, 3, true>}}},
+      {{{evaluate_table<1, 1, false>, evaluate_table<1, 2, false>, evaluate_table<1, 3, false>},
+        {evaluate_table<2, 1, false>, evaluate_table<2, 2, false>, evaluate_table<2, 3, false>},
+        {evaluate_table<3, 1, false>, evaluate_table<3, 2, false>, evaluate_table<3, 3, false>}}},
+      {{{evaluate_table<1, 1, true>, evaluate_table<1, 2, true>, evaluate_table<1, 3, true>},
+        {evaluate_table<2, 1, true>, evaluate_table<2, 2, true>, evaluate_table<2, 3, true>},
+        {evaluate_table<3, 1, true>, evaluate_table<3, 2, true>, evaluate_table<3, 3, true>}}},
   }};
   if (pu <= 3 && pv <= 3)
     evaluate_ = small[rational_][pu - 1][pv - 1];
   else if (pu == 5 && pv == 5)
-    evaluate_ = rational_ ? evaluate_fixed<5, 5, true> : evaluate_fixed<5, 5, false>;
-  else if (pu == 5 && pv == 3)
-    evaluate_ = rational_ ? evaluate_fixed<5, 3, true> : evaluate_fixed<5, 3, false>;
-  else if (pu == 3 && pv == 5)
-    evaluate_ = rational_ ? evaluate_fixed<3, 5, true> : evaluate_fixed<3, 5, false>;
+    evaluate_ = rational_ ? evaluate_table<5, 5, true> : evaluate_table<5, 5, false>;
+  else if (pu <= BSplineBasis::table_degree && pv <= BSplineBasis::table_degree)
+    evaluate_ = rational_ ? evaluate_table<0, 0, true> : evaluate_table<0, 0, false>;
 }
 
 Vec3 BSplineSurface::point(double u, double v) const {

@@ -33,7 +33,7 @@ class BSplineSurface : public ThirdOrderSurface {
 
  private:
   template <int PU, int PV, bool Rational>
-  static SurfacePoint evaluate_fixed(const BSplineSurface& s, double u, double v);
+  static SurfacePoint evaluate_table(const BSplineSurface& s, double u, double v);
   static SurfacePoint evaluate_any(const BSplineSurface& s, double u, double v);
   void span_bounds(int su, int sv, double u0, double u1, double v0, double v1, double out[4][4]) const;
 

@@ -200,9 +200,9 @@ float up(double x) {
 
 // How much the Hessian may change over a patch, and whether it stays positive definite for points near the surface.
 //
-// With |x| the bound over the patch and c its centre, |S_i(y).S_jk(z)| <= |S_i(c).S_jk(c)| + |S_i| |dS_jk| + |S_jk| |dS_i|
-// for all y, z in the patch. These products bound how the metric S_i.S_j and the term (S - p).S_jk change between two
-// places whose (a,b) differ by at most 2 in each coordinate.
+// With |x| the bound over the patch and c its centre, |S_i(y).S_jk(z)| <= |S_i(c).S_jk(c)| + |S_i| |dS_jk| + |S_jk|
+// |dS_i| for all y, z in the patch. These products bound how the metric S_i.S_j and the term (S - p).S_jk change
+// between two places whose (a,b) differ by at most 2 in each coordinate.
 struct Certificate {
   double first[2], second[3], e0[3], e1[3];
 
@@ -237,9 +237,7 @@ struct Certificate {
     const double a = aa_ - change_[0], b = bb_ - change_[2], mixed = std::abs(ab_) + change_[1];
     return a > 0 && b > 0 && a * b > mixed * mixed;
   }
-  double badness() const {
-    return std::max(change_[0] / aa_, change_[2] / bb_) + change_[1] / std::sqrt(aa_ * bb_);
-  }
+  double badness() const { return std::max(change_[0] / aa_, change_[2] / bb_) + change_[1] / std::sqrt(aa_ * bb_); }
 
  private:
   double aa_, ab_, bb_, change_[3];
@@ -310,7 +308,8 @@ class Builder {
     if ((too_long || (!good && !crowded)) && depth < 60) {
       // The half that is better to have, told from the bounds of the whole.
       bool in_a = la >= lb;
-      if (!too_long && closed_form_) in_a = whole.second[0] > whole.second[2] || (whole.second[0] == whole.second[2] && la >= lb);
+      if (!too_long && closed_form_)
+        in_a = whole.second[0] > whole.second[2] || (whole.second[0] == whole.second[2] && la >= lb);
       if (!too_long && !closed_form_) {
         const Local half_a{s.p, s.a / 2.0, s.b, s.aa / 4.0, s.ab / 2.0, s.bb};
         const Local half_b{s.p, s.a, s.b / 2.0, s.aa, s.ab / 2.0, s.bb / 4.0};
