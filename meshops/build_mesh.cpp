@@ -161,7 +161,8 @@ void set_figure(Report& report, const char* name, std::size_t count) {
   if (count) report.figures[name] = static_cast<double>(count);
 }
 
-void report_repairs(const ManifoldRepairs& repairs, BuiltMesh& result) {
+void report_repairs(BuiltMesh& result) {
+  const ManifoldRepairs& repairs = result.repairs;
   Report& report = result.report;
   const auto triangle = [&](std::uint32_t f) { return result.triangle_of(FaceHandle(static_cast<int>(f))); };
   const auto edge = [](const std::array<std::uint32_t, 2>& ends) { return fmt::format("{} - {}", ends[0], ends[1]); };
@@ -211,21 +212,20 @@ void build(std::span<const Vec3> points, std::span<const Triangle> given, const 
   }
   context.checkpoint();
   std::vector<Triangle> repaired;
-  ManifoldRepairs repairs;
   if (!manifold) {
     repaired.assign(given.begin(), given.end());
-    repairs = make_manifold(repaired, points, pairs, context);
+    result.repairs = make_manifold(repaired, points, pairs, context);
     given = repaired;
     context.checkpoint();
   }
   context.progress("build-mesh", 0.6);
 
   result.points = points.size();
-  result.point_of_copy = repairs.copied_points;
-  link(given, points.size() + repairs.copied_points.size(), pairs.twin, mesh);
-  for (std::size_t i = 0; i < repairs.copied_points.size(); ++i)
-    mesh.set_point(VertexHandle(static_cast<int>(points.size() + i)), points[repairs.copied_points[i]]);
-  report_repairs(repairs, result);
+  const std::vector<std::uint32_t>& copied = result.repairs.copied_points;
+  link(given, points.size() + copied.size(), pairs.twin, mesh);
+  for (std::size_t i = 0; i < copied.size(); ++i)
+    mesh.set_point(VertexHandle(static_cast<int>(points.size() + i)), points[copied[i]]);
+  report_repairs(result);
 }
 
 /// For each side the side of the known neighbour on the same edge.
@@ -269,7 +269,7 @@ BuiltMesh build_mesh(const Soup& soup, Context& context) {
   BuiltMesh result;
   std::span<const Triangle> triangles = soup.triangles;
   std::vector<Triangle> kept;
-  std::vector<std::uint32_t> set_aside;
+  std::vector<std::uint32_t>& set_aside = result.set_aside;
   for (std::size_t i = 0; i < triangles.size(); ++i)
     if (repeats_vertex(triangles[i])) set_aside.push_back(static_cast<std::uint32_t>(i));
   if (!set_aside.empty()) {

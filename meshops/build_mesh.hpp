@@ -8,6 +8,7 @@
 #include "meshops/context.hpp"
 #include "meshops/mesh.hpp"
 #include "meshops/report.hpp"
+#include "meshops/side_pairs.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
@@ -20,16 +21,20 @@ struct BuiltMesh {
   /// first places of each kind. `touched_faces` were reversed or detached, `touched_vertices` are the copies.
   Report report;
 
-  /// The points of the soup are the first vertices, in order; copies follow. The point of each copy.
-  std::vector<std::uint32_t> point_of_copy;
   /// The triangle of each face; empty if no triangle was set aside, so that they are the same.
   std::vector<std::uint32_t> triangle_of_face;
   std::size_t points = 0;  ///< of the soup
+  /// Triangles that name a vertex twice and have no face, increasing.
+  std::vector<std::uint32_t> set_aside;
+  /// Every triangle, edge and vertex that was reversed, split, cut or detached; triangles by their face, edges by the
+  /// points they join.
+  ManifoldRepairs repairs;
 
-  /// Indices in the soup of a vertex and a face of the mesh as it was built.
+  /// Indices in the soup of a vertex and a face of the mesh as it was built. The points of the soup are the first
+  /// vertices, in order; copies follow.
   std::uint32_t point_of(VertexHandle v) const {
     const auto i = static_cast<std::size_t>(v.idx());
-    return i < points ? static_cast<std::uint32_t>(i) : point_of_copy[i - points];
+    return i < points ? static_cast<std::uint32_t>(i) : repairs.copied_points[i - points];
   }
   std::uint32_t triangle_of(FaceHandle f) const {
     return triangle_of_face.empty() ? static_cast<std::uint32_t>(f.idx())

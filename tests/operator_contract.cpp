@@ -70,9 +70,9 @@ int alive_vertices(const OpenMesh::TriConnectivity& mesh) {
 void for_all(const std::function<void(const Operator&, const Mesh&)>& check) {
   for (const Operator* op : mesh_operators()) {
     CAPTURE(op->name());
-    for (const auto& [name, mesh] : inputs()) {
-      CAPTURE(name);
-      check(*op, mesh);
+    for (const auto& input : inputs()) {
+      CAPTURE(input.first);
+      check(*op, input.second);
     }
   }
 }

@@ -44,7 +44,7 @@ Triangle sorted(Triangle t) {
 void check_faithful(const Soup& soup, const BuiltMesh& built) {
   CHECK_VALID_MESH(built.mesh);
   REQUIRE(built.points == soup.points.size());
-  REQUIRE(built.point_of_copy.size() == built.report.vertices_added);
+  REQUIRE(built.repairs.copied_points.size() == built.report.vertices_added);
   REQUIRE(built.mesh.n_vertices() == soup.points.size() + built.report.vertices_added);
   for (const VertexHandle v : built.mesh.vertices()) {
     if (v.idx() < static_cast<int>(soup.points.size()))
@@ -149,6 +149,7 @@ TEST_CASE("build_mesh: triangles that name a vertex twice are set aside and name
   CHECK(built.report.faces_removed == 2);
   CHECK(built.report.skipped.at("names a vertex twice") == 2);
   CHECK(built.report.notes.front() == "set aside triangle: 1");
+  CHECK(built.set_aside == std::vector<std::uint32_t>{1, 5});
   CHECK(boundary_loops(built.mesh) == 1);
 }
 
@@ -215,6 +216,7 @@ TEST_CASE("build_mesh: two solids that touch in a vertex or an edge come apart, 
     if (shuffled) std::ranges::reverse(edge.triangles);
     const BuiltMesh split = build(edge);
     CHECK(figure(split, "edges split") == 1);
+    CHECK(split.repairs.crowded == std::vector<std::array<std::uint32_t, 2>>{{0, 2}});
     CHECK(split.report.vertices_added == 2);
     CHECK(boundary_loops(split.mesh) == 0);
     CHECK(components(split.mesh) == 2);
