@@ -279,6 +279,7 @@ class Assembler {
       sizes.push_back(chain.size());
       for (const ChainNode& node : chain) on_chain[node.vertex] = 1;
     }
+    for (const FaceDomain& domain : domains_) result_.uniform_faces.push_back(domain.uniform);
     for (std::size_t f = 0; f < n_faces(); ++f)
       if (patches_[f].triangles.empty()) result_.failed_faces.push_back(static_cast<int>(f));
     result_.mesh = glue_patches(model_, patches_, sizes, std::move(vertices), on_chain);

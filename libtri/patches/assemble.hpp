@@ -19,6 +19,7 @@ struct AssembledPatches {
   EditMesh mesh;
   /// Per auxiliary vertex: whether it lies on an edge between two faces or on a free edge, rather than inside a face or on its seam.
   std::vector<std::uint8_t> on_contour;
+  std::vector<std::uint8_t> uniform_faces;  ///< per face: FaceDomain::uniform
   std::vector<std::array<std::uint32_t, 2>> duplicates;  ///< (duplicate, kept)
   std::vector<int> failed_faces;                         ///< positions in CadModel::faces
 };

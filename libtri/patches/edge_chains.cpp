@@ -86,7 +86,9 @@ FaceDomain face_domain(const CadFace& face) {
   FaceDomain domain;
   // Mean lengths of the derivatives over the face's box.
   constexpr int n = 9;
+  constexpr double largest_distortion = 1.25;
   double du = 0, dv = 0;
+  std::vector<SurfacePoint> samples;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
       const double u = face.u_min + (face.u_max - face.u_min) * (i + 0.5) / n;
@@ -94,9 +96,17 @@ FaceDomain face_domain(const CadFace& face) {
       const SurfacePoint s = face.surface->evaluate(u, v);
       du += s.du.norm();
       dv += s.dv.norm();
+      samples.push_back(s);
     }
   if (du > 0 && std::isfinite(du)) domain.scale[0] = du / (n * n);
   if (dv > 0 && std::isfinite(dv)) domain.scale[1] = dv / (n * n);
+  for (const SurfacePoint& s : samples) {
+    // Largest over smallest stretch of the map from the plane to the surface.
+    const Vec3 x = s.du / domain.scale[0], y = s.dv / domain.scale[1];
+    const double mean = 0.5 * (x.sqrnorm() + y.sqrnorm()), half = 0.5 * (x.sqrnorm() - y.sqrnorm()), skew = x | y;
+    const double spread = std::hypot(half, skew);
+    domain.uniform &= mean + spread <= largest_distortion * largest_distortion * (mean - spread);
+  }
   for (const TrimLoop& loop : face.loops) {
     auto& curves = domain.loops.emplace_back();
     for (const Coedge& coedge : loop.coedges)

@@ -43,6 +43,9 @@ class CoedgeCurve {
 /// A face as a polygon with holes in its own plane.
 struct FaceDomain {
   Vec2 scale{1, 1};                             ///< mm per unit of u and v, mean over the face
+  /// The plane shows lengths in every direction and place about as they are in space, so that Delaunay there is Delaunay on the
+  /// surface.
+  bool uniform = true;
   std::vector<std::vector<CoedgeCurve>> loops;  ///< as CadFace::loops
   Vec2 to_plane(const Vec2& uv) const { return {uv[0] * scale[0], uv[1] * scale[1]}; }
 };
