@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "libtri/cad_topology.hpp"
 #include "libtri/coverage.hpp"
+#include "libtri/patches.hpp"
 #include "libtri/point_classes.hpp"
 #include "libtri/point_mesh.hpp"
 #include "libtri/registration.hpp"
@@ -76,7 +78,8 @@ Mesh to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<cons
   std::vector<Triangle> triangles(connected.triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) triangles[t][k] = static_cast<std::uint32_t>(vertex_of[connected.triangles[t][k]]);
-  Mesh mesh = std::move(build_mesh(positions, triangles, connected.neighbors, context).mesh);
+  BuiltMesh built = build_mesh(positions, triangles, connected.neighbors, context);
+  Mesh& mesh = built.mesh;
 
   OpenMesh::VPropHandleT<int> point_index, cad_face;
   OpenMesh::VPropHandleT<Vec2> uv;
@@ -85,35 +88,124 @@ Mesh to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<cons
   mesh.add_property(cad_face, property::cad_face);
   mesh.add_property(uv, property::uv);
   mesh.add_property(deviation, property::deviation);
-  for (std::size_t v = 0; v < point_of.size(); ++v) {
+  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
     const VertexHandle handle(static_cast<int>(v));
-    const Foot& foot = feet[point_of[v]];
-    mesh.property(point_index, handle) = static_cast<int>(point_of[v]);
+    const std::uint32_t point = point_of[built.point_of(handle)];
+    const Foot& foot = feet[point];
+    mesh.property(point_index, handle) = static_cast<int>(point);
     mesh.property(cad_face, handle) = model.faces[foot.face].index;
     mesh.property(uv, handle) = foot.uv;
     mesh.property(deviation, handle) = foot.deviation;
   }
-  return mesh;
+  return std::move(built.mesh);
 }
 
 void describe_coverage(const CadModel& model, std::span<const Foot> feet, TriangulateResult& result) {
-  for (const CadFace& face : model.faces) result.faces.push_back({face.index, face.name, 0, face.area, "shell"});
+  for (const CadFace& face : model.faces) result.faces.push_back({face.index, face.name, 0, face.area, {}});
   for (const Foot& foot : feet)
     if (foot.face >= 0) ++result.faces[foot.face].points;
   for (const FaceCoverage& face : result.faces)
     if (face.points == 0) result.unmeasured_faces.push_back(face.face);
 }
 
-void note_checks(const ShellConnection& shell, TriangulateResult& result) {
-  const TriangulationChecks& c = result.checks;
+/// What one method made of the points, and what the checks say of it.
+struct Candidate {
+  Method method = Method::shell;
+  PointMesh mesh;
+  PointMesh patches;
+  TriangulationChecks checks;
+  std::vector<std::string> notes;
+  std::vector<Report> steps;
+
+  bool right_topology() const { return checks.mesh == checks.model && checks.unused_points == 0; }
+  std::uint64_t defects() const { return checks.self_intersections + checks.folds + checks.turned; }
+  bool better_than(const Candidate& other) const {
+    if (checks.unused_points != other.checks.unused_points) return checks.unused_points < other.checks.unused_points;
+    if (right_topology() != other.right_topology()) return right_topology();
+    return defects() < other.defects();
+  }
+};
+
+void check(Candidate& candidate, std::span<const Vec3> points, std::span<const Foot> feet, const SurfaceTopology& model,
+           const Context& context) {
+  candidate.checks = check_triangulation(points, feet, candidate.mesh, context);
+  candidate.checks.model = model;
+  candidate.checks.mesh = topology(candidate.mesh.triangles, candidate.mesh.neighbors);
+}
+
+Candidate by_patches(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, bool keep_patches, Stopwatch& watch,
+                     Context& context) {
+  PatchConnection connection = connect_by_patches(model, feet, points, {.keep_patches = keep_patches}, context);
+  watch.lap("connect by patches");
+  Candidate candidate{Method::patches, std::move(connection.mesh), std::move(connection.patches), {}, {}, std::move(connection.reports)};
+  const CadTopology cad = cad_topology(model);
+  check(candidate, points, feet, {cad.components, cad.loops, cad.euler}, context);
+  watch.lap("check patches");
+  for (const int f : connection.failed_faces)
+    candidate.notes.push_back(fmt::format("face {} could not be triangulated by itself: its trimming loops cross or touch", model.faces[f].index));
+  if (connection.open_stars > 0)
+    candidate.notes.push_back(
+        fmt::format("{} places have too few points around them to keep the model's topology and were left open", connection.open_stars));
+  return candidate;
+}
+
+Candidate by_shell(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, Stopwatch& watch, Context& context) {
+  const Tessellation tessellation = tessellate(model, deflection_share * model.diagonal, deflection_angle, context);
+  watch.lap("tessellate model");
+  ShellConnection shell = connect_by_shell(model, tessellation, feet, context);
+  watch.lap("connect by shell");
+  Candidate candidate{Method::shell, std::move(shell.mesh), {}, {}, {}, {}};
+  check(candidate, points, feet, topology(tessellation.triangles, tessellation.neighbors), context);
+  watch.lap("check shell");
+  if (shell.lost_shells > 0)
+    candidate.notes.push_back(fmt::format("{} connected parts of the model got no point and are not in the mesh", shell.lost_shells));
+  if (shell.open_stars > 0)
+    candidate.notes.push_back(
+        fmt::format("{} places have too few points around them to keep the model's topology and were left open", shell.open_stars));
+  return candidate;
+}
+
+/// What is wrong with a candidate, in words.
+std::string describe(const Candidate& candidate) {
+  const TriangulationChecks& c = candidate.checks;
+  return fmt::format("{} topology, {} self-intersections, {} folds, {} turned triangles, {} unused points",
+                     c.mesh == c.model ? "exact" : "wrong", c.self_intersections, c.folds, c.turned, c.unused_points);
+}
+
+/// Runs the method asked for. Automatic runs `patches`, which is the faster, and `shell` only if the checks find anything wrong with it.
+Candidate connect(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, const TriangulateOptions& options,
+                  Stopwatch& watch, std::string& reason, Context& context) {
+  Candidate patches;
+  if (options.method != Method::shell || options.keep_patches) {
+    patches = by_patches(model, points, feet, options.keep_patches, watch, context);
+    if (options.method == Method::patches) {
+      reason = "asked for";
+      return patches;
+    }
+  }
+  if (options.method == Method::automatic && patches.right_topology() && patches.defects() == 0) {
+    reason = "the checks find nothing wrong";
+    return patches;
+  }
+  Candidate shell = by_shell(model, points, feet, watch, context);
+  if (options.method == Method::automatic) {
+    const bool take_shell = shell.better_than(patches);
+    reason = fmt::format("the better of patches ({}) and shell ({})", describe(patches), describe(shell));
+    if (!take_shell) return patches;
+  } else {
+    reason = "asked for";
+  }
+  shell.patches = std::move(patches.patches);
+  return shell;
+}
+
+void note_checks(const Candidate& candidate, TriangulateResult& result) {
+  const TriangulationChecks& c = candidate.checks;
   const auto text = [](const SurfaceTopology& t) { return fmt::format("{} / {} / {}", t.components, t.loops, t.euler); };
   if (!(c.mesh == c.model))
     result.notes.push_back(fmt::format("topology differs from the model's: components / boundary loops / Euler characteristic are {}, the model's {}",
                                        text(c.mesh), text(c.model)));
-  if (shell.lost_shells > 0)
-    result.notes.push_back(fmt::format("{} connected parts of the model got no point and are not in the mesh", shell.lost_shells));
-  if (shell.open_stars > 0)
-    result.notes.push_back(fmt::format("{} places have too few points around them to keep the model's topology and were left open", shell.open_stars));
+  result.notes.insert(result.notes.end(), candidate.notes.begin(), candidate.notes.end());
   if (c.self_intersections > 0) result.notes.push_back(fmt::format("{} pairs of triangles cross each other", c.self_intersections));
   if (c.folds > 0) result.notes.push_back(fmt::format("{} edges are folded by more than 150 degrees", c.folds));
   if (c.turned > 0) result.notes.push_back(fmt::format("{} triangles face against the model", c.turned));
@@ -143,27 +235,22 @@ TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> point
   describe_coverage(model, feet, result);
   watch.lap("classify points");
 
-  const Tessellation tessellation = tessellate(model, deflection_share * model.diagonal, deflection_angle, context);
-  watch.lap("tessellate model");
-  ShellConnection shell = connect_by_shell(model, tessellation, feet, context);
-  watch.lap("connect");
-
-  result.checks = check_triangulation(points, feet, shell.mesh, context);
-  result.checks.model = topology(tessellation.triangles, tessellation.neighbors);
-  result.checks.mesh = topology(shell.mesh.triangles, shell.mesh.neighbors);
-  watch.lap("check");
+  Candidate best = connect(model, points, feet, options, watch, result.method_reason, context);
+  result.method = best.method;
+  result.checks = best.checks;
+  result.steps = std::move(best.steps);
+  for (FaceCoverage& face : result.faces) face.method = best.method == Method::shell ? "shell" : "patches";
 
   if (options.unmeasured == Unmeasured::hole) {
-    Coverage coverage = find_unmeasured(model, registration, shell.mesh, feet, options.hole_size, context);
-    drop_triangles(shell.mesh, coverage.open_triangles);
+    Coverage coverage = find_unmeasured(model, registration, best.mesh, feet, options.hole_size, context);
+    drop_triangles(best.mesh, coverage.open_triangles);
     result.holes = std::move(coverage.regions);
   }
   watch.lap("unmeasured regions");
 
-  result.method = Method::shell;
-  result.method_reason = "the model's own triangulation keeps its topology on every face";
-  result.mesh = to_mesh(model, points, feet, shell.mesh, context);
-  note_checks(shell, result);
+  result.mesh = to_mesh(model, points, feet, best.mesh, context);
+  if (options.keep_patches) result.patches = to_mesh(model, points, feet, best.patches, context);
+  note_checks(best, result);
   watch.lap("build mesh");
   return result;
 }
