@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <queue>
 #include <unordered_map>
@@ -14,7 +15,7 @@ namespace tri {
 namespace {
 
 constexpr std::size_t largest_ring = 48;
-/// Larger stars wait until flips and removals around them have made them smaller; at last they are filled by a fan.
+/// Larger stars wait until removals around them have made them smaller; at last they lose ears first.
 constexpr std::size_t largest_fan = 4096;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -91,12 +92,10 @@ class Remover {
     find_outer_edges(v);
     double before = 0;
     for (std::int32_t t : star_.fan) before += cost_(mesh_.triangles[t]);
-    double after = infinity;
-    if (n > largest_ring) {
-      after = star_.closed ? cut_and_fill_ring(v, result.patch) : fan_fill(result.patch);
-    } else {
-      after = star_.closed ? fill_ring(result.patch) : fill_open_fan(v, result.patch);
-    }
+    left_.resize(n);
+    std::iota(left_.begin(), left_.end(), 0);
+    double after = cut_ears(v, result.patch);
+    if (after < infinity) after += star_.closed ? fill_ring(result.patch) : fill_open_fan(v, result.patch);
     if (after < infinity) result.cost = after - before;
     return result;
   }
@@ -117,18 +116,22 @@ class Remover {
     }
     position_.clear();
   }
-  bool taken(int i, int j) const { return outer_[static_cast<std::size_t>(i) * star_.ring.size() + static_cast<std::size_t>(j)]; }
+  /// Whether the vertices at positions `i` and `j` of what is left of the ring share an edge outside the star.
+  bool taken(int i, int j) const {
+    return outer_[static_cast<std::size_t>(left_[i]) * star_.ring.size() + static_cast<std::size_t>(left_[j])];
+  }
+  std::uint32_t ring(int i) const { return star_.ring[left_[i]]; }
 
   double fill_ring(std::vector<Triangle>& patch) {
-    const auto& ring = star_.ring;
     ring_triangles_.clear();
+    const int n = static_cast<int>(left_.size());
     const auto best = triangulate_polygon<double>(
-        static_cast<int>(ring.size()), [&](int i, int j) { return !taken(i, j); },
-        [&](int i, int k, int j, int, int) -> std::optional<double> { return cost_(ring[i], ring[k], ring[j]); }, ring_triangles_);
+        n, [&](int i, int j) { return !taken(i, j); },
+        [&](int i, int k, int j, int, int) -> std::optional<double> { return cost_(ring(i), ring(k), ring(j)); }, ring_triangles_);
     if (!best) return infinity;
-    for (const RingTriangle& t : ring_triangles_) patch.push_back({ring[t[0]], ring[t[1]], ring[t[2]]});
+    for (const RingTriangle& t : ring_triangles_) patch.push_back({ring(t[0]), ring(t[1]), ring(t[2])});
     // A ring of three whose triangle is there already would close a pillow.
-    if (ring.size() == 3 && is_triangle(ring[0], ring[2], ring[1])) return infinity;
+    if (n == 3 && is_triangle(ring(0), ring(2), ring(1))) return infinity;
     return *best;
   }
 
@@ -144,82 +147,51 @@ class Remover {
 
   /// Rings that are too long for the dynamic programme lose ears first, in the order of the power of `v` over their
   /// circumcircles, which in the plane yields the Delaunay triangulation of the ring [Heller 1990; Devillers 1999].
-  double cut_and_fill_ring(std::uint32_t v, std::vector<Triangle>& patch) {
-    const auto& ring = star_.ring;
+  /// @return the cost of the ears
+  double cut_ears(std::uint32_t v, std::vector<Triangle>& patch) {
+    if (left_.size() <= largest_ring) return 0;
     Vec3 normal(0, 0, 0);
-    for (std::size_t i = 0; i < ring.size(); ++i) normal += area_vector(v, ring[i], ring[(i + 1) % ring.size()]);
+    for (std::int32_t t : star_.fan) normal += area_vector(mesh_.triangles[t]);
     const double length = normal.norm();
     if (!(length > 0)) return infinity;
     normal /= length;
     const Vec3 x = (std::abs(normal[0]) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)) % normal, y = normal % x;
     std::vector<Vec2> q;
-    std::vector<int> left;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Vec3 d = mesh_.vertices[ring[i]].p - mesh_.vertices[v].p;
+    for (std::uint32_t w : star_.ring) {
+      const Vec3 d = mesh_.vertices[w].p - mesh_.vertices[v].p;
       q.emplace_back(d | x, d | y);
-      left.push_back(static_cast<int>(i));
     }
     const auto power = [&](int i) {  // of the origin over the ear's circumcircle; infinite for what is no ear
-      const int n = static_cast<int>(left.size());
-      const int ia = left[(i + n - 1) % n], ic = left[(i + 1) % n];
-      const Vec2 &a = q[ia], &b = q[left[i]], &c = q[ic];
+      const int n = static_cast<int>(left_.size());
+      if (!star_.closed && (i == 0 || i == n - 1)) return infinity;
+      const int before = (i + n - 1) % n, after = (i + 1) % n;
+      const Vec2 &a = q[left_[before]], &b = q[left_[i]], &c = q[left_[after]];
       const double turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-      if (!(turn > 0) || taken(ia, ic)) return infinity;
+      if (!(turn > 0) || taken(before, after)) return infinity;
       const double aa = a.sqrnorm(), bb = b.sqrnorm(), cc = c.sqrnorm();
       const double circle = aa * (b[0] * c[1] - b[1] * c[0]) - bb * (a[0] * c[1] - a[1] * c[0]) + cc * (a[0] * b[1] - a[1] * b[0]);
       return circle / turn;
     };
     std::vector<double> powers;
-    for (int i = 0; i < static_cast<int>(left.size()); ++i) powers.push_back(power(i));
+    for (int i = 0; i < static_cast<int>(left_.size()); ++i) powers.push_back(power(i));
     double sum = 0;
-    while (left.size() > largest_ring) {
-      const int n = static_cast<int>(left.size());
+    while (left_.size() > largest_ring) {
+      const int n = static_cast<int>(left_.size());
       const int i = static_cast<int>(std::min_element(powers.begin(), powers.end()) - powers.begin());
       if (powers[i] == infinity) return infinity;
-      const Triangle ear{ring[left[(i + n - 1) % n]], ring[left[i]], ring[left[(i + 1) % n]]};
-      patch.push_back(ear);
-      sum += cost_(ear);
-      left.erase(left.begin() + i);
+      patch.push_back({ring((i + n - 1) % n), ring(i), ring((i + 1) % n)});
+      sum += cost_(patch.back());
+      left_.erase(left_.begin() + i);
       powers.erase(powers.begin() + i);
-      for (int k : {i, (i + n - 2) % (n - 1)}) powers[k % (n - 1)] = power(k % (n - 1));
+      for (int k : {i % (n - 1), (i + n - 2) % (n - 1)}) powers[k] = power(k);
     }
-    ring_triangles_.clear();
-    const auto best = triangulate_polygon<double>(
-        static_cast<int>(left.size()), [&](int i, int j) { return !taken(left[i], left[j]); },
-        [&](int i, int k, int j, int, int) -> std::optional<double> { return cost_(ring[left[i]], ring[left[k]], ring[left[j]]); },
-        ring_triangles_);
-    if (!best) return infinity;
-    for (const RingTriangle& t : ring_triangles_) patch.push_back({ring[left[t[0]]], ring[left[t[1]]], ring[left[t[2]]]});
-    return sum + *best;
-  }
-
-  /// The best fan from one ring vertex, for the long fans of boundary vertices.
-  double fan_fill(std::vector<Triangle>& patch) {
-    const auto& ring = star_.ring;
-    const int n = static_cast<int>(ring.size());
-    if (taken(0, n - 1)) return infinity;
-    double best = infinity;
-    int hub = -1;
-    for (int h : {0, n - 1}) {
-      double sum = 0;
-      for (int i = 0; i + 1 < n; ++i) {
-        if (i == h || i + 1 == h) continue;
-        if ((std::abs(h - i) > 1 && taken(h, i)) || (std::abs(h - i - 1) > 1 && taken(h, i + 1))) sum = infinity;
-        sum += cost_(ring[h], ring[i], ring[i + 1]);
-      }
-      if (sum < best) best = sum, hub = h;
-    }
-    if (hub < 0) return infinity;
-    for (int i = 0; i + 1 < n; ++i)
-      if (i != hub && i + 1 != hub) patch.push_back({ring[hub], ring[i], ring[i + 1]});
-    return best;
+    return sum;
   }
 
   /// Covers the fan of a boundary vertex anew: a boundary path from the first to the last ring vertex is chosen, and every stretch
   /// of the ring that a chord of the path cuts off is triangulated.
   double fill_open_fan(std::uint32_t v, std::vector<Triangle>& patch) {
-    const auto& ring = star_.ring;
-    const int n = static_cast<int>(ring.size());
+    const int n = static_cast<int>(left_.size());
     // cost[i][j]: the stretch i..j triangulated with chord (i, j) closing it; apex to trace it.
     stretch_.assign(static_cast<std::size_t>(n * n), infinity);
     area_.assign(static_cast<std::size_t>(n * n), 0);
@@ -233,24 +205,24 @@ class Remover {
         for (int k = i + 1; k < j; ++k) {
           const double parts = stretch_[at(i, k)] + stretch_[at(k, j)];
           if (parts >= stretch_[at(i, j)]) continue;
-          const double sum = parts + cost_(ring[i], ring[k], ring[j]);
+          const double sum = parts + cost_(ring(i), ring(k), ring(j));
           if (sum < stretch_[at(i, j)]) {
             stretch_[at(i, j)] = sum;
             apex_[at(i, j)] = k;
-            area_[at(i, j)] = area_[at(i, k)] + area_[at(k, j)] + area(ring[i], ring[k], ring[j]);
+            area_[at(i, j)] = area_[at(i, k)] + area_[at(k, j)] + area(ring(i), ring(k), ring(j));
           }
         }
       }
     std::vector<double> fan_area(static_cast<std::size_t>(n), 0);
-    for (int i = 0; i + 1 < n; ++i) fan_area[i + 1] = fan_area[i] + area(v, ring[i], ring[i + 1]);
+    for (int i = 0; i + 1 < n; ++i) fan_area[i + 1] = fan_area[i] + area(v, ring(i), ring(i + 1));
     std::vector<double> best(static_cast<std::size_t>(n), infinity);
     std::vector<int> previous(static_cast<std::size_t>(n), -1);
     best[0] = 0;
     for (int j = 1; j < n; ++j) {
-      if (j + 1 < n && mesh_.on_boundary(ring[j])) continue;  // the boundary would touch itself there
+      if (j + 1 < n && mesh_.on_boundary(ring(j))) continue;  // the boundary would touch itself there
       for (int i = 0; i < j; ++i) {
         if (best[i] == infinity || stretch_[at(i, j)] == infinity) continue;
-        if (j == i + 1 && mesh_.neighbors[star_.fan[i]][mesh_.corner(star_.fan[i], v)] < 0) continue;
+        if (j == i + 1 && !covered_outside(i, v)) continue;
         const double missing = (fan_area[j] - fan_area[i]) - area_[at(i, j)];
         const double sum = best[i] + stretch_[at(i, j)] + (missing > 0 ? 3 * missing : -8 * missing);
         if (sum < best[j]) best[j] = sum, previous[j] = i;
@@ -263,24 +235,32 @@ class Remover {
 
   void trace(int i, int j, std::vector<Triangle>& patch) const {
     if (j == i + 1) return;
-    const int n = static_cast<int>(star_.ring.size());
+    const int n = static_cast<int>(left_.size());
     const int k = apex_[static_cast<std::size_t>(i * n + j)];
-    patch.push_back({star_.ring[i], star_.ring[k], star_.ring[j]});
+    patch.push_back({ring(i), ring(k), ring(j)});
     trace(i, k, patch);
     trace(k, j, patch);
   }
 
-  Vec3 area_vector(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    const Vec3& p = mesh_.vertices[a].p;
-    return 0.5 * ((mesh_.vertices[b].p - p) % (mesh_.vertices[c].p - p));
+  /// Whether a triangle remains beyond the stretch from position `i` to the next if the patch leaves it out.
+  bool covered_outside(int i, std::uint32_t v) const {
+    if (left_[i + 1] > left_[i] + 1) return true;  // an ear
+    const std::int32_t t = star_.fan[left_[i]];
+    return mesh_.neighbors[t][mesh_.corner(t, v)] >= 0;
   }
-  double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const { return area_vector(a, b, c).norm(); }
+
+  Vec3 area_vector(const Triangle& t) const {
+    const Vec3& p = mesh_.vertices[t[0]].p;
+    return 0.5 * ((mesh_.vertices[t[1]].p - p) % (mesh_.vertices[t[2]].p - p));
+  }
+  double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const { return area_vector({a, b, c}).norm(); }
 
   EditMesh& mesh_;
   Context& context_;
   TriangleCost cost_;
   EditMesh::Star star_;
   std::vector<bool> outer_;
+  std::vector<int> left_;  // positions in the star's ring that no ear has cut off
   std::unordered_map<std::uint32_t, std::int32_t> position_;
   std::vector<RingTriangle> ring_triangles_;
   std::vector<double> stretch_, area_;
