@@ -24,7 +24,7 @@ class TriangleCost {
       for (const EditMesh::Vertex* v : {&a, &b, &c}) {
         if (v->normal[0] == 0 && v->normal[1] == 0 && v->normal[2] == 0) continue;
         const double away = 1 - (n[0] * v->normal[0] + n[1] * v->normal[1] + n[2] * v->normal[2]) / twice_area;
-        misfit += away > 1 ? away + turned_weight * (away - 1) : away;
+        misfit += away > turned ? away + turned_weight * (away - turned) : away;
       }
     }
     const double squares = ab.sqrnorm() + ac.sqrnorm() + (c.p - b.p).sqrnorm();
@@ -43,7 +43,9 @@ class TriangleCost {
 
   static constexpr double shape_weight = 0.005;
   static constexpr double needle = 60;          ///< squared edges over twice the area; 3.5 for an equilateral triangle
-  static constexpr double turned_weight = 50;   ///< for triangles that face against the model
+  /// Across the rim of a thin wall a triangle stands at right angles to both sides; only beyond that it is turned against one.
+  static constexpr double turned = 1.3;          ///< 1 - cos of the angle to the model's normal
+  static constexpr double turned_weight = 50;
 
   const EditMesh& mesh_;
 };
