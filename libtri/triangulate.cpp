@@ -14,6 +14,7 @@
 #include "libtri/registration.hpp"
 #include "libtri/shell/connect.hpp"
 #include "libtri/triangulation_checks.hpp"
+#include "libtri/untangle.hpp"
 #include "meshops/build_mesh.hpp"
 #include "meshops/error.hpp"
 
@@ -126,9 +127,12 @@ struct Candidate {
   }
 };
 
-void check(Candidate& candidate, std::span<const Vec3> points, std::span<const Foot> feet, const SurfaceTopology& model,
-           const Context& context) {
-  candidate.checks = check_triangulation(points, feet, candidate.mesh, context);
+/// Undoes what crossings flips can undo, then checks.
+void finish(Candidate& candidate, std::span<const Vec3> points, std::span<const Foot> feet, const SurfaceTopology& model,
+            const Context& context) {
+  const std::size_t crossings = untangle(points, feet, candidate.mesh, context).size();
+  candidate.checks = check_triangulation(points, feet, candidate.mesh);
+  candidate.checks.self_intersections = crossings;
   candidate.checks.model = model;
   candidate.checks.mesh = topology(candidate.mesh.triangles, candidate.mesh.neighbors);
 }
@@ -139,8 +143,8 @@ Candidate by_patches(const CadModel& model, std::span<const Vec3> points, std::s
   watch.lap("connect by patches");
   Candidate candidate{Method::patches, std::move(connection.mesh), std::move(connection.patches), {}, {}, std::move(connection.reports)};
   const CadTopology cad = cad_topology(model);
-  check(candidate, points, feet, {cad.components, cad.loops, cad.euler}, context);
-  watch.lap("check patches");
+  finish(candidate, points, feet, {cad.components, cad.loops, cad.euler}, context);
+  watch.lap("untangle and check patches");
   for (const int f : connection.failed_faces)
     candidate.notes.push_back(fmt::format("face {} could not be triangulated by itself: its trimming loops cross or touch", model.faces[f].index));
   if (connection.open_stars > 0)
@@ -155,8 +159,8 @@ Candidate by_shell(const CadModel& model, std::span<const Vec3> points, std::spa
   ShellConnection shell = connect_by_shell(model, tessellation, feet, context);
   watch.lap("connect by shell");
   Candidate candidate{Method::shell, std::move(shell.mesh), {}, {}, {}, {}};
-  check(candidate, points, feet, topology(tessellation.triangles, tessellation.neighbors), context);
-  watch.lap("check shell");
+  finish(candidate, points, feet, topology(tessellation.triangles, tessellation.neighbors), context);
+  watch.lap("untangle and check shell");
   if (shell.lost_shells > 0)
     candidate.notes.push_back(fmt::format("{} connected parts of the model got no point and are not in the mesh", shell.lost_shells));
   if (shell.open_stars > 0)

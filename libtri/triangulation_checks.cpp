@@ -2,12 +2,10 @@
 
 #include <cmath>
 
-#include "meshops/self_intersections.hpp"
 
 namespace tri {
 
-TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& mesh,
-                                        const Context& context) {
+TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& mesh) {
   constexpr double fold_cosine = -0.8660254037844386, turned_cosine = -0.5;
   TriangulationChecks checks;
   std::vector<Vec3> normals(mesh.triangles.size());
@@ -28,7 +26,6 @@ TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<
     for (std::int32_t n : mesh.neighbors[t])
       if (n > static_cast<std::int32_t>(t)) checks.folds += (normals[t] | normals[n]) < fold_cosine;
   for (std::size_t p = 0; p < points.size(); ++p) checks.unused_points += feet[p].face >= 0 && !used[p];
-  checks.self_intersections = self_intersections(points, mesh.triangles, context).size();
   return checks;
 }
 

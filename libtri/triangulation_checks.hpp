@@ -5,14 +5,11 @@
 #include "libtri/point_mesh.hpp"
 #include "libtri/registration.hpp"
 #include "libtri/triangulate.hpp"
-#include "meshops/context.hpp"
 
 namespace tri {
 
-/// Counts what is wrong with a connected mesh at the measured positions: self-intersections, folds, triangles that face against
-/// the model's normals (by more than 120 degrees), registered points that are no vertex. Leaves the topologies unset.
-/// @throws Cancelled
-TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& mesh,
-                                        const Context& context);
+/// Counts what is wrong with a connected mesh at the measured positions: folds, triangles that face against the model's normals
+/// (by more than 120 degrees), registered points that are no vertex. Self-intersections and topologies are left unset.
+TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& mesh);
 
 }  // namespace tri

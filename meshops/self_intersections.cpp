@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+
+#include "meshops/box_tree.hpp"
 
 namespace tri {
 namespace {
@@ -75,83 +76,6 @@ bool coplanar_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>&
   return true;
 }
 
-struct Box {
-  Vec3 lo = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity();
-  Vec3 hi = Vec3(-1, -1, -1) * std::numeric_limits<double>::infinity();
-  void grow(const Vec3& p) { lo.minimize(p), hi.maximize(p); }
-  void grow(const Box& b) { lo.minimize(b.lo), hi.maximize(b.hi); }
-  bool overlaps(const Box& b) const {
-    for (int k = 0; k < 3; ++k)
-      if (lo[k] > b.hi[k] || b.lo[k] > hi[k]) return false;
-    return true;
-  }
-};
-
-/// A hierarchy of boxes over triangles, halved at the median of the longest side; leaves of up to four triangles.
-class BoxTree {
- public:
-  BoxTree(std::span<const Vec3> points, std::span<const Triangle> triangles, std::vector<std::uint32_t> items)
-      : order_(std::move(items)), boxes_(triangles.size()) {
-    for (std::uint32_t t : order_)
-      for (std::uint32_t v : triangles[t]) boxes_[t].grow(points[v]);
-    if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
-  }
-
-  const std::vector<std::uint32_t>& items() const { return order_; }
-
-  /// Calls `visit(u)` for every triangle u > t whose box overlaps that of t.
-  template <class Visit>
-  void overlapping(std::uint32_t t, Visit visit) const {
-    std::uint32_t stack[96];
-    int depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-      const Node& node = nodes_[stack[--depth]];
-      if (node.last <= t || !node.box.overlaps(boxes_[t])) continue;
-      if (node.right == 0) {
-        for (std::uint32_t i = node.first; i < node.end; ++i)
-          if (order_[i] > t && boxes_[order_[i]].overlaps(boxes_[t])) visit(order_[i]);
-      } else {
-        stack[depth++] = node.right;
-        stack[depth++] = static_cast<std::uint32_t>(&node - nodes_.data()) + 1;
-      }
-    }
-  }
-
- private:
-  struct Node {
-    Box box;
-    std::uint32_t first = 0, end = 0, right = 0;
-    std::uint32_t last = 0;  ///< highest triangle index inside
-  };
-
-  std::uint32_t build(std::uint32_t first, std::uint32_t end) {
-    const auto id = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.emplace_back();
-    Box box;
-    std::uint32_t last = 0;
-    for (std::uint32_t i = first; i < end; ++i) box.grow(boxes_[order_[i]]), last = std::max(last, order_[i]);
-    std::uint32_t right = 0;
-    if (end - first > 4) {
-      const Vec3 size = box.hi - box.lo;
-      const int axis = size[0] >= size[1] ? (size[0] >= size[2] ? 0 : 2) : (size[1] >= size[2] ? 1 : 2);
-      const std::uint32_t middle = first + (end - first) / 2;
-      std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + end, [&](std::uint32_t a, std::uint32_t b) {
-        const double x = boxes_[a].lo[axis] + boxes_[a].hi[axis], y = boxes_[b].lo[axis] + boxes_[b].hi[axis];
-        return x != y ? x < y : a < b;
-      });
-      build(first, middle);
-      right = build(middle, end);
-    }
-    nodes_[id] = {box, first, end, right, last};
-    return id;
-  }
-
-  std::vector<std::uint32_t> order_;
-  std::vector<Box> boxes_;
-  std::vector<Node> nodes_;
-};
-
 }  // namespace
 
 bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
@@ -182,11 +106,14 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
                                                              const Context& context) {
   std::vector<std::uint32_t> items;
   items.reserve(triangles.size());
+  std::vector<Box> boxes(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Vec3& p = points[triangles[t][0]];
-    if (((points[triangles[t][1]] - p) % (points[triangles[t][2]] - p)).sqrnorm() > 0) items.push_back(t);
+    if (!(((points[triangles[t][1]] - p) % (points[triangles[t][2]] - p)).sqrnorm() > 0)) continue;
+    items.push_back(t);
+    for (std::uint32_t v : triangles[t]) boxes[t].grow(points[v]);
   }
-  const BoxTree tree(points, triangles, std::move(items));
+  const BoxTree tree(std::move(boxes), std::move(items));
   using Pairs = std::vector<std::array<std::uint32_t, 2>>;
   tbb::enumerable_thread_specific<Pairs> found;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tree.items().size(), 1024), [&](const auto& range) {
@@ -196,7 +123,7 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
       const std::uint32_t t = tree.items()[i];
       const Triangle& q = triangles[t];
       const std::array<Vec3, 3> a{points[q[0]], points[q[1]], points[q[2]]};
-      tree.overlapping(t, [&](std::uint32_t u) {
+      tree.overlapping(tree.box(t), t + 1, [&](std::uint32_t u) {
         const Triangle& r = triangles[u];
         for (std::uint32_t v : q)
           if (v == r[0] || v == r[1] || v == r[2]) return;

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+/// An axis-aligned box; empty until it is grown.
+struct Box {
+  Vec3 lo = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity();
+  Vec3 hi = Vec3(-1, -1, -1) * std::numeric_limits<double>::infinity();
+
+  void grow(const Vec3& p) { lo.minimize(p), hi.maximize(p); }
+  void grow(const Box& b) { lo.minimize(b.lo), hi.maximize(b.hi); }
+  bool overlaps(const Box& b) const {
+    for (int k = 0; k < 3; ++k)
+      if (lo[k] > b.hi[k] || b.lo[k] > hi[k]) return false;
+    return true;
+  }
+};
+
+/// A hierarchy of boxes, halved at the median of the longest side down to leaves of four: which boxes overlap a given one.
+/// Queries may come from any thread.
+class BoxTree {
+ public:
+  /// @param boxes  one per item; those that are not listed may be empty
+  /// @param items  indices of the boxes that take part
+  BoxTree(std::vector<Box> boxes, std::vector<std::uint32_t> items);
+
+  const std::vector<std::uint32_t>& items() const { return order_; }
+  const Box& box(std::uint32_t item) const { return boxes_[item]; }
+
+  /// Calls `visit(item)` for every item of index `from` or above whose box overlaps `box`.
+  template <class Visit>
+  void overlapping(const Box& box, std::uint32_t from, Visit visit) const {
+    if (nodes_.empty()) return;
+    std::uint32_t stack[96];
+    int depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::uint32_t id = stack[--depth];
+      const Node& node = nodes_[id];
+      if (node.last < from || !node.box.overlaps(box)) continue;
+      if (node.right == 0) {
+        for (std::uint32_t i = node.first; i < node.end; ++i)
+          if (order_[i] >= from && boxes_[order_[i]].overlaps(box)) visit(order_[i]);
+      } else {
+        stack[depth++] = node.right;
+        stack[depth++] = id + 1;
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    Box box;
+    std::uint32_t first = 0, end = 0, right = 0;
+    std::uint32_t last = 0;  ///< highest item index inside
+  };
+  std::uint32_t build(std::uint32_t first, std::uint32_t end);
+
+  std::vector<std::uint32_t> order_;
+  std::vector<Box> boxes_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace tri
