@@ -20,7 +20,10 @@ std::vector<std::string> without_steps(std::vector<std::string> words, Program& 
   if (first == words.end()) return words;
   program.has_steps = true;
   const auto last = std::find(words.rbegin(), words.rend(), "!").base() - 1;
-  if (first != last) program.steps.assign(first + 1, last);
+  if (first != last) {
+    program.steps.assign(first + 1, last);
+    if (program.steps.empty()) throw UsageError("a step between two \"!\" is empty");
+  }
   words.erase(first, last + 1);
   return words;
 }

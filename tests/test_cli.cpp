@@ -105,6 +105,8 @@ TEST_CASE("tri: a wrong word on the command line is refused in one line that quo
       {{"ops", "fill-hole"}, "fill-hole"},
       {{"run", "in.obj"}, "OUT"},
       {{"run", "in.obj", "!", "fill-hole", "!", "out.ply"}, "fill-hole"},
+      {{"run", "in.obj", "!", "!", "out.ply"}, "empty"},
+      {{"run", "in.obj", "!", "!", "compact", "!", "out.ply"}, "!"},
       {{"run", "in.obj", "!", "fill-holes", "--max-egdes", "5", "!", "out.ply"}, "max-egdes"},
       {{"run", "in.obj", "!", "fill-holes", "--max-edges", "1", "!", "out.ply"}, "max-edges"},
       {{"run", "in.obj", "!", "fill-holes", "--max-edges", "many", "!", "out.ply"}, "many"},
