@@ -66,7 +66,7 @@ Vec2 inner_point(const CadFace& face) {
     if (winding(face, uv) == 1) return uv;
   }
   FAIL("no point inside");
-  return {};
+  return Vec2(0, 0);
 }
 
 Vec3 outward(const CadFace& face, const Vec2& uv) {
