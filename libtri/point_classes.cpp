@@ -25,10 +25,11 @@ std::uint64_t hash(const Vec3& p) {
   return h;
 }
 
+/// The mean of the two middle values where their number is even: on a slope neither side may win.
 double median(std::vector<double>& x) {
   const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
   std::nth_element(x.begin(), middle, x.end());
-  return *middle;
+  return x.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(x.begin(), middle));
 }
 
 }  // namespace
