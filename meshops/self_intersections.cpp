@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -116,7 +117,7 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
   const BoxTree tree(std::move(boxes), std::move(items));
   using Pairs = std::vector<std::array<std::uint32_t, 2>>;
   tbb::enumerable_thread_specific<Pairs> found;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tree.items().size(), 1024), [&](const auto& range) {
+  const auto search = [&](const tbb::blocked_range<std::size_t>& range) {
     if (context.cancelled()) return;
     Pairs& mine = found.local();
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -130,7 +131,9 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
         if (triangles_intersect(a, {points[r[0]], points[r[1]], points[r[2]]})) mine.push_back({t, u});
       });
     }
-  });
+  };
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tree.items().size(), 1024), search); });
   context.checkpoint();
   Pairs pairs;
   for (const Pairs& part : found) pairs.insert(pairs.end(), part.begin(), part.end());

@@ -1,6 +1,7 @@
 #include "libtri/shell/insertion.hpp"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -192,7 +193,7 @@ std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::
   for (FaceLocator& l : locators) l.build(mesh);
   std::vector<Place> places(feet.size());
   context.checkpoint();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, feet.size(), 4096), [&](const auto& range) {
+  const auto locate_range = [&](const tbb::blocked_range<std::size_t>& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const Foot& foot = feet[i];
       if (foot.face < 0) continue;
@@ -214,7 +215,9 @@ std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::
         keep_inside(place.l, outside_inset);
       }
     }
-  });
+  };
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, feet.size(), 4096), locate_range); });
   return places;
 }
 
@@ -340,10 +343,13 @@ EditMesh insert_feet(const CadModel& model, const Tessellation& mesh, std::span<
   context.checkpoint();
   std::vector<std::array<std::int32_t, 3>> sides(mesh.triangles.size());
   const TriangleFiller filler(mesh, out, start, order, places, vertex_of);
-  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
-    Context quiet;
-    quiet.threads = 1;
-    filler.fill(t, sides[t], quiet);
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
+      Context quiet;
+      quiet.threads = 1;
+      filler.fill(t, sides[t], quiet);
+    });
   });
 
   const auto normal_of = [&](std::int32_t t) {
