@@ -86,13 +86,13 @@ class Assembler {
 
   // Points close to an edge become nodes of its chain, the others stay inside their face.
   void place_points() {
-    std::vector<double> reach;
-    for (const EdgeState& e : edges_) reach.push_back(e.reach);
+    for (const EdgeState& e : edges_) reach_.push_back(e.reach);
     indices_.resize(n_faces());
     inside_.resize(n_faces());
+    nodes_.resize(n_faces());
     std::vector<std::vector<std::pair<int, ChainNode>>> snapped(n_faces());
     tbb::parallel_for(std::size_t{0}, n_faces(), [&](std::size_t f) {
-      indices_[f] = std::make_unique<BoundaryIndex>(domains_[f], reach);
+      indices_[f] = std::make_unique<BoundaryIndex>(domains_[f], reach_);
       inside_[f].reserve(start_[f + 1] - start_[f]);
       for (std::size_t k = start_[f]; k < start_[f + 1]; ++k) {
         const std::uint32_t i = by_face_[k];
@@ -100,6 +100,7 @@ class Assembler {
         const auto place = indices_[f]->close(p);
         if (place.edge >= 0 && !model_.edges[static_cast<std::size_t>(place.edge)].degenerate) {
           snapped[f].push_back({place.edge, {place.s, i}});
+          nodes_[f].push_back({p, i});
         } else {
           inside_[f].push_back({p, i});
         }
@@ -214,7 +215,7 @@ class Assembler {
     for (int round = 0; round < largest_rounds; ++round) {
       context_.checkpoint();
       tbb::parallel_for(std::size_t{0}, n_faces(), [&](std::size_t f) {
-        if (dirty[f]) patches_[f] = triangulate_face(domains_[f], chains_, inside_[f], context_);
+        if (dirty[f]) patches_[f] = triangulate_face(domains_[f], chains_, nodes_[f], reach_, inside_[f], context_);
       });
       std::vector<std::uint8_t> changed(edges_.size(), 0), again(n_faces(), 0);
       for (std::size_t f = 0; f < n_faces(); ++f)
@@ -297,7 +298,8 @@ class Assembler {
   std::vector<std::unique_ptr<BoundaryIndex>> indices_;
   std::vector<EdgeState> edges_;
   std::vector<EdgeChain> chains_;
-  std::vector<std::vector<PlanePoint>> inside_;
+  std::vector<std::vector<PlanePoint>> inside_, nodes_;  // nodes_: points that went to a chain, by index
+  std::vector<double> reach_;
   std::vector<FacePatch> patches_;
   std::vector<Vec3> auxiliary_;
   std::vector<std::uint32_t> corner_;  // per model vertex: its mesh vertex + 1; 0 if it has none yet

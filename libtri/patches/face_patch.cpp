@@ -16,8 +16,9 @@ struct Segment {
 
 class Patcher {
  public:
-  Patcher(const FaceDomain& domain, const std::vector<EdgeChain>& chains, std::span<const PlanePoint> points)
-      : domain_(domain), chains_(chains), points_(points) {}
+  Patcher(const FaceDomain& domain, const std::vector<EdgeChain>& chains, std::span<const PlanePoint> nodes,
+          std::span<const double> reach, std::span<const PlanePoint> points)
+      : domain_(domain), chains_(chains), nodes_(nodes), reach_(reach), points_(points) {}
 
   FacePatch run(const Context& context) {
     collect();
@@ -53,7 +54,7 @@ class Patcher {
         for (int i = 0; i + 1 < n; ++i) {
           const int node = curve.reversed() ? n - 1 - i : i;
           const auto at = static_cast<std::uint32_t>(plane_.size());
-          plane_.push_back(curve.plane_point(chain[static_cast<std::size_t>(node)].s));
+          plane_.push_back(place(curve, chain[static_cast<std::size_t>(node)]));
           vertex_.push_back(chain[static_cast<std::size_t>(node)].vertex);
           node_edge_.push_back(curve.edge());
           run.push_back({at, at + 1, curve.edge(), curve.reversed() ? node - 1 : node, !curve.reversed()});
@@ -68,6 +69,14 @@ class Patcher {
       plane_.push_back(p.p);
       vertex_.push_back(p.vertex);
     }
+  }
+
+  Vec2 place(const CoedgeCurve& curve, const ChainNode& node) const {
+    const Vec2 on_curve = curve.plane_point(node.s);
+    const auto own = std::lower_bound(nodes_.begin(), nodes_.end(), node.vertex,
+                                      [](const PlanePoint& p, std::uint32_t vertex) { return p.vertex < vertex; });
+    if (own == nodes_.end() || own->vertex != node.vertex) return on_curve;
+    return (own->p - on_curve).norm() <= reach_[static_cast<std::size_t>(curve.edge())] ? own->p : on_curve;
   }
 
   void fail(std::uint32_t node) { patch_.failed_edges.push_back(node_edge_[node]); }
@@ -169,6 +178,8 @@ class Patcher {
 
   const FaceDomain& domain_;
   const std::vector<EdgeChain>& chains_;
+  std::span<const PlanePoint> nodes_;
+  std::span<const double> reach_;
   std::span<const PlanePoint> points_;
   std::vector<Vec2> plane_;
   std::vector<std::uint32_t> vertex_;
@@ -181,9 +192,9 @@ class Patcher {
 
 }  // namespace
 
-FacePatch triangulate_face(const FaceDomain& domain, const std::vector<EdgeChain>& chains, std::span<const PlanePoint> points,
-                           const Context& context) {
-  return Patcher(domain, chains, points).run(context);
+FacePatch triangulate_face(const FaceDomain& domain, const std::vector<EdgeChain>& chains, std::span<const PlanePoint> nodes,
+                           std::span<const double> reach, std::span<const PlanePoint> points, const Context& context) {
+  return Patcher(domain, chains, nodes, reach, points).run(context);
 }
 
 }  // namespace tri

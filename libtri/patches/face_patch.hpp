@@ -38,7 +38,10 @@ struct FacePatch {
 
 /// Triangulates what lies inside the loops.
 /// @param chains  per edge of the model
-FacePatch triangulate_face(const FaceDomain& domain, const std::vector<EdgeChain>& chains, std::span<const PlanePoint> points,
-                           const Context& context);
+/// @param nodes   chain nodes whose own place in this plane is known, by ascending vertex: the chain passes through it instead of the
+///                closest place on the curve, unless it is the other side of a seam that is meant
+/// @param reach   mm, per edge of the model: how far from the curve such a place may be
+FacePatch triangulate_face(const FaceDomain& domain, const std::vector<EdgeChain>& chains, std::span<const PlanePoint> nodes,
+                           std::span<const double> reach, std::span<const PlanePoint> points, const Context& context);
 
 }  // namespace tri
