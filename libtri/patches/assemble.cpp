@@ -211,11 +211,15 @@ class Assembler {
 
   void triangulate() {
     patches_.resize(n_faces());
+    failed_.assign(n_faces(), 0);
     std::vector<std::uint8_t> dirty(n_faces(), 1);
     for (int round = 0; round < largest_rounds; ++round) {
       context_.checkpoint();
       tbb::parallel_for(std::size_t{0}, n_faces(), [&](std::size_t f) {
-        if (dirty[f]) patches_[f] = triangulate_face(domains_[f], chains_, nodes_[f], reach_, inside_[f], context_);
+        if (!dirty[f]) return;
+        // A face that failed tries again with nothing but its curves.
+        const std::span<const PlanePoint> nodes = failed_[f] ? std::span<const PlanePoint>() : nodes_[f];
+        patches_[f] = triangulate_face(domains_[f], chains_, nodes, reach_, inside_[f], context_);
       });
       std::vector<std::uint8_t> changed(edges_.size(), 0), again(n_faces(), 0);
       for (std::size_t f = 0; f < n_faces(); ++f)
@@ -263,6 +267,11 @@ class Assembler {
       }
       list.erase(at);
     }
+    if (!patch.failed_edges.empty() && !failed_[f]) {
+      failed_[f] = 1;
+      again[f] = 1;
+      return;
+    }
     for (const int e : patch.failed_edges) {
       if (edges_[static_cast<std::size_t>(e)].level >= largest_level) continue;
       ++edges_[static_cast<std::size_t>(e)].level;
@@ -301,6 +310,7 @@ class Assembler {
   std::vector<std::vector<PlanePoint>> inside_, nodes_;  // nodes_: points that went to a chain, by index
   std::vector<double> reach_;
   std::vector<FacePatch> patches_;
+  std::vector<std::uint8_t> failed_;  // per face: its loops have crossed or touched before
   std::vector<Vec3> auxiliary_;
   std::vector<std::uint32_t> corner_;  // per model vertex: its mesh vertex + 1; 0 if it has none yet
 };

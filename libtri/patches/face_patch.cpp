@@ -76,7 +76,10 @@ class Patcher {
     const auto own = std::lower_bound(nodes_.begin(), nodes_.end(), node.vertex,
                                       [](const PlanePoint& p, std::uint32_t vertex) { return p.vertex < vertex; });
     if (own == nodes_.end() || own->vertex != node.vertex) return on_curve;
-    return (own->p - on_curve).norm() <= reach_[static_cast<std::size_t>(curve.edge())] ? own->p : on_curve;
+    // Near the ends places are not in the order of the chain, and on the curve the chain's is as good.
+    const double reach = reach_[static_cast<std::size_t>(curve.edge())], off = (own->p - on_curve).norm();
+    const bool inner = std::min(node.s, 1 - node.s) * curve.length() > 2 * reach;
+    return inner && off <= reach && off > 1e-3 * reach ? own->p : on_curve;
   }
 
   void fail(std::uint32_t node) { patch_.failed_edges.push_back(node_edge_[node]); }
