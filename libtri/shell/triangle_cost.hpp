@@ -38,7 +38,8 @@ class TriangleCost {
   /// rounding from deciding between two without area.
   static double needle_shape(double squares, double twice_area) {
     constexpr double thinnest = 1e-8;
-    return needle + 20 * std::log(squares / (needle * std::max(twice_area, thinnest * squares)));
+    const double ratio = twice_area > thinnest * squares ? squares / twice_area : 1 / thinnest;  // all three may be one place
+    return needle + 20 * std::log(ratio / needle);
   }
 
   static constexpr double shape_weight = 0.005;
