@@ -16,21 +16,38 @@ struct Foot {
   Vec3 point{0, 0, 0};            ///< closest point on the model, S(u,v) of its face
   Vec2 uv{0, 0};                  ///< on the face's own surface, inside or on its trimming loops
   double deviation = 0;           ///< mm, signed distance, positive on the outside
-  std::array<float, 3> normal{};  ///< unit outward normal at the foot
+  std::array<float, 3> normal{};  ///< unit outward normal of that face at the foot; its limit at a pole
   std::int32_t face = -1;         ///< 0-based position in CadModel::faces; -1 if the point is not finite
-  std::int32_t edge = -1;         ///< 0-based position in CadModel::edges if the foot lies on a trimming curve; else -1
+  /// 0-based position in CadModel::edges if the foot lies on a trimming curve; else -1. Seams of closed faces and poles
+  /// have material all around and are no trimming curves.
+  std::int32_t edge = -1;
 };
 
 /// Finds for every point the closest point on the trimmed faces of a model [Ristic et al. 2000, step (b)].
 ///
-/// Built once per model; `register_points` may be called from several threads.
+/// The faces are cut into patches, the trimming curves into pieces, each in a box that provably holds it. A search from
+/// the nearest box outward runs Newton's method where the squared distance is provably convex over the patch, and
+/// halves the patch where it is not, so that the least distance of all is found and not a local one: to 1e-8 of the
+/// model's diagonal, in practice to rounding. Planes, cylinders, cones, spheres and tori have closed forms. A foot
+/// outside the trimming curves is never taken: the test follows the curves themselves, not polygons. Only where an
+/// offset surface's base degenerates do samples with a margin stand in for proven bounds.
+///
+/// At an edge the deviation's sign is that of the sum of the adjacent faces' normals, at a vertex of their sum
+/// weighted by angle [Baerentzen & Aanaes 2005].
+///
+/// Built once per model; nothing of the model is referred to afterwards. `register_points` may be called from several
+/// threads.
 class Registration {
  public:
+  /// Uses every core; 0.05 to 0.4 s for a hundred thousand patches.
   explicit Registration(const CadModel& model);
   ~Registration();
   Registration(Registration&&) noexcept;
 
-  /// The global closest point for each of `points`. Ties across a shared edge go to the face with the lower index.
+  /// The global closest point for each of `points` (mm, any order, any number), in their order.
+  ///
+  /// Ties across a shared edge go to the face with the lower index. The result does not depend on the number of
+  /// threads, and on the order of the points only by rounding. Beside the result it takes 20 bytes a point.
   /// @throws Cancelled at the granularity of 4096 points.
   std::vector<Foot> register_points(std::span<const Vec3> points, Context& context) const;
 
