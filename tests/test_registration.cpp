@@ -355,22 +355,6 @@ TEST_CASE("registration: spline, swept, kinked and offset faces hold against den
   }
 }
 
-TEST_CASE("registration: a trimming curve that bulges beyond its chords is followed exactly") {
-  // A disc of 4 pieces of a circle: half way between chord and arc a polygon would err by 1e-4 of the radius.
-  const CadModel model = model_of(
-      BRepBuilderAPI_MakeFace(BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(gp_Circ(gp::XOY(), 100))).Wire()).Face());
-  const TrimRegion region(model.faces[0]);
-  for (int i = 0; i < 5000; ++i) {
-    const double a = 0.001 + 2 * pi * i / 5000;
-    for (const double r : {100 - 1e-9, 100 + 1e-9}) {
-      const Vec3 p(r * std::cos(a), r * std::sin(a), 0);
-      Vec2 uv[2];
-      REQUIRE(model.faces[0].surface->closest(p, uv) == 1);
-      CHECK(region.contains(uv[0][0], uv[0][1]) == (r < 100));
-    }
-  }
-}
-
 TEST_CASE("registration: points on a shared edge go to the face with the lower index") {
   const CadModel model = model_of(BRepPrimAPI_MakeBox(10., 10., 10.).Shape());
   std::vector<Vec3> points;

@@ -1,0 +1,69 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "libtri/box_tree.hpp"
+#include "libtri/point_order.hpp"
+
+using namespace tri;
+
+TEST_CASE("box tree: visits every box that is nearer than the limit, as brute force does") {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-100, 100), size(0, 5);
+  for (const int n : {1, 3, 4, 5, 17, 1000}) {
+    std::vector<Box> boxes(n);
+    for (Box& b : boxes) {
+      b.low = Vec3(place(random), place(random), place(random));
+      b.high = b.low + Vec3(size(random), size(random), size(random));
+    }
+    const BoxTree tree(boxes);
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 p(2 * place(random), 2 * place(random), 2 * place(random));
+      const double limit = 0.3 * (place(random) + 100);
+      std::vector<int> visits(n, 0);
+      tree.search(
+          p, [&] { return limit; }, [&](std::uint32_t item) { ++visits[item]; });
+      for (int k = 0; k < n; ++k) {
+        Vec3 d;
+        for (int c = 0; c < 3; ++c) d[c] = std::max({0.0, boxes[k].low[c] - p[c], p[c] - boxes[k].high[c]});
+        CHECK(visits[k] <= 1);
+        if (d.norm() <= limit) CHECK(visits[k] == 1);
+        if (d.norm() > limit + 0.01) CHECK(visits[k] == 0);
+      }
+    }
+  }
+}
+
+TEST_CASE("box tree: without boxes nothing is visited, without a limit everything") {
+  BoxTree().search(
+      Vec3(0, 0, 0), [] { return 1.0; }, [](std::uint32_t) { CHECK(false); });
+  const BoxTree tree(std::vector<Box>(3, Box{Vec3(0, 0, 0), Vec3(1, 1, 1)}));
+  int visits = 0;
+  tree.search(
+      Vec3(5, 5, 5), [] { return std::numeric_limits<double>::infinity(); }, [&](std::uint32_t) { ++visits; });
+  CHECK(visits == 3);
+}
+
+TEST_CASE("morton order: a permutation whose neighbours are near; points that are not finite come last") {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Vec3> points(20000);
+  for (Vec3& p : points) p = Vec3(unit(random), unit(random), unit(random));
+  points[3][1] = std::numeric_limits<double>::quiet_NaN();
+  points[9] = Vec3(1e300, -5, 2);  // outside the box
+  const auto order = morton_order(points, Vec3(0, 0, 0), Vec3(1, 1, 1));
+  std::vector<std::uint32_t> sorted = order, all(points.size());
+  std::sort(sorted.begin(), sorted.end());
+  std::iota(all.begin(), all.end(), 0u);
+  CHECK(sorted == all);
+  CHECK(order.back() == 3);
+  double along = 0, unordered = 0;
+  for (std::size_t i = 10; i + 1 < points.size() - 1; ++i) {
+    unordered += (points[i + 1] - points[i]).norm();
+    if (order[i] != 9 && order[i + 1] != 9) along += (points[order[i + 1]] - points[order[i]]).norm();
+  }
+  CHECK(along < 0.1 * unordered);
+}
