@@ -1,6 +1,7 @@
 #include "libtri/registration.hpp"
 
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -319,7 +320,8 @@ std::vector<Foot> Registration::register_points(std::span<const Vec3> points, Co
   const std::size_t blocks = (points.size() + block_size - 1) / block_size;
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};
-  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  const int cores = tbb::info::default_concurrency();
+  tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
   arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, blocks, 1),
