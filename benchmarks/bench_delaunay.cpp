@@ -3,8 +3,8 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -17,7 +17,9 @@ using tri::Vec2;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Points = std::vector<Vec2>;
 
-std::mt19937_64 generator() { return std::mt19937_64(20001); }
+std::mt19937_64 generator() {
+  return std::mt19937_64(20001);
+}
 
 Points uniform(std::size_t n) {
   auto random = generator();
@@ -43,7 +45,8 @@ Points scan_lines(std::size_t n) {
 Points grid(std::size_t n) {
   const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(n))));
   Points points(n);
-  for (std::size_t i = 0; i < n; ++i) points[i] = {0.1 * static_cast<double>(i % side), 0.1 * static_cast<double>(i / side)};
+  for (std::size_t i = 0; i < n; ++i)
+    points[i] = {0.1 * static_cast<double>(i % side), 0.1 * static_cast<double>(i / side)};
   std::shuffle(points.begin(), points.end(), generator());
   return points;
 }
@@ -99,7 +102,8 @@ int main(int argc, char** argv) {
     constexpr std::size_t n = 1000000;
     const std::string stem = "delaunay/" + name + "/" + std::to_string(n);
     const auto add = [&](const std::string& suffix, auto run) {
-      benchmark::RegisterBenchmark((stem + suffix).c_str(), [make = make, run](benchmark::State& state) { run(state, make(n)); })
+      benchmark::RegisterBenchmark((stem + suffix).c_str(),
+                                   [make = make, run](benchmark::State& state) { run(state, make(n)); })
           ->Unit(benchmark::kMillisecond)
           ->MeasureProcessCPUTime()
           ->UseRealTime();

@@ -29,15 +29,15 @@ struct Ring {
   Index next, previous;
 };
 
-// What a finished range of points hands to the merge above it: one counter-clockwise edge of its hull (the outer face lies to
-// the right), or the point itself if there is only one.
+// What a finished range of points hands to the merge above it: one counter-clockwise edge of its hull (the outer face
+// lies to the right), or the point itself if there is only one.
 struct Part {
   Index handle = none;
   Index count = 0;
 };
 
-// Edge slots of a range of m points: 3m, never exceeded because a planar graph has fewer edges. Freed slots are used again
-// first, so that memory stays warm.
+// Edge slots of a range of m points: 3m, never exceeded because a planar graph has fewer edges. Freed slots are used
+// again first, so that memory stays warm.
 class EdgePool {
  public:
   EdgePool(Index first_edge, Index end_edge) : fresh_{{first_edge, end_edge}} {}
@@ -83,7 +83,8 @@ class EdgePool {
 
 class Builder {
  public:
-  Builder(std::span<const Vec2> points, std::span<const std::uint16_t> cuts, const PlanePredicates& test, const Context& context)
+  Builder(std::span<const Vec2> points, std::span<const std::uint16_t> cuts, const PlanePredicates& test,
+          const Context& context)
       : points_(points.data()),
         cuts_(cuts),
         test_(test),
@@ -191,8 +192,8 @@ class Builder {
     return stack.back().part;
   }
 
-  // The edge of the counter-clockwise hull whose origin comes last in `before`, a strict order by a direction. Since the hull is convex,
-  // climbing from anywhere ends at the top.
+  // The edge of the counter-clockwise hull whose origin comes last in `before`, a strict order by a direction. Since
+  // the hull is convex, climbing from anywhere ends at the top.
   template <class Before>
   Index climb(Index e, Before before) const {
     Index v = origin(e);
@@ -239,7 +240,8 @@ class Builder {
       if (side_turn != 0) return {make_triangle(side_turn > 0 ? side : side ^ 1, corner, pool), 3};
     }
 
-    // Lower common tangent. `l` is the clockwise hull edge out of the left end, `r` the counter-clockwise one out of the right end.
+    // Lower common tangent. `l` is the clockwise hull edge out of the left end, `r` the counter-clockwise one out of
+    // the right end.
     Index l = none, r = none, left_point = left.handle, right_point = right.handle;
     if (left.count > 1) {
       l = previous(last_along(axis, left.handle));
@@ -319,7 +321,11 @@ class Builder {
 class Emitter {
  public:
   Emitter(PageBuffer<Ring>& rings, PageBuffer<Index>& origins, std::size_t n_slots)
-      : rings_(rings), origins_(origins), n_slots_(n_slots), blocks_((n_slots + emit_block - 1) / emit_block), lowest_((n_slots + 63) / 64, 0) {}
+      : rings_(rings),
+        origins_(origins),
+        n_slots_(n_slots),
+        blocks_((n_slots + emit_block - 1) / emit_block),
+        lowest_((n_slots + 63) / 64, 0) {}
 
   void run(Index hull_edge, Delaunay& result) {
     std::vector<std::size_t> first(blocks_ + 1, 0);
@@ -391,7 +397,8 @@ class Emitter {
   std::vector<std::uint64_t> lowest_;  // one bit per directed edge: the lowest of a triangle
 };
 
-// A power of two that brings every coordinate into the range where rounding-error bounds hold, without losing a bit; 0 if there is none.
+// A power of two that brings every coordinate into the range where rounding-error bounds hold, without losing a bit; 0
+// if there is none.
 int safe_shift(const BitRange& range) {
   if (range.safe()) return 0;
   const int shift = 250 - range.top;
@@ -426,8 +433,7 @@ void triangulate(std::span<const Vec2> input, const Context& context, Delaunay& 
 
   auto& origins = builder.origins();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, 6 * n, emit_block), [&](const auto& part) {
-    for (std::size_t e = part.begin(); e < part.end(); ++e)
-      origins[e] = sorted.order[origins[e]];
+    for (std::size_t e = part.begin(); e < part.end(); ++e) origins[e] = sorted.order[origins[e]];
   });
   std::vector<std::uint32_t>().swap(sorted.order);
   Emitter(builder.rings(), origins, 6 * n).run(hull_edge, result);

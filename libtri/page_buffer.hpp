@@ -12,8 +12,8 @@
 
 namespace tri {
 
-/// Uninitialised memory for plain data that lives through one algorithm. Large buffers ask for huge pages, because a fresh page of
-/// 4 KiB costs a fault that takes as long as the work done on it.
+/// Uninitialised memory for plain data that lives through one algorithm. Large buffers ask for huge pages, because a
+/// fresh page of 4 KiB costs a fault that takes as long as the work done on it.
 template <class T>
 class PageBuffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -37,14 +37,20 @@ class PageBuffer {
     std::swap(data_, other.data_);
     return *this;
   }
-  ~PageBuffer() { std::free(data_); }
+  ~PageBuffer() {
+    std::free(data_);
+  }
 
   void reset() {
     std::free(data_);
     data_ = nullptr;
   }
-  T* get() const { return data_; }
-  T& operator[](std::size_t i) const { return data_[i]; }
+  T* get() const {
+    return data_;
+  }
+  T& operator[](std::size_t i) const {
+    return data_[i];
+  }
 
  private:
   T* data_ = nullptr;

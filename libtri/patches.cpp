@@ -57,14 +57,15 @@ PointMesh measured_part(const EditMesh& mesh, std::span<const Foot> feet, bool o
   return part;
 }
 
-// Marks the vertices around which flips may be needed: those of faces that their plane shows distorted, and the neighbours of
-// auxiliary vertices. Removing one makes no triangle but of these.
+// Marks the vertices around which flips may be needed: those of faces that their plane shows distorted, and the
+// neighbours of auxiliary vertices. Removing one makes no triangle but of these.
 std::vector<std::uint8_t> mark_loose(const AssembledPatches& assembled, std::span<const Foot> feet) {
   const EditMesh& mesh = assembled.mesh;
   std::vector<std::uint8_t> loose(mesh.vertices.size(), 0);
   for (const Triangle& t : mesh.triangles) {
     bool near = false;
-    for (const std::uint32_t v : t) near |= v >= feet.size() || !assembled.uniform_faces[static_cast<std::size_t>(feet[v].face)];
+    for (const std::uint32_t v : t)
+      near |= v >= feet.size() || !assembled.uniform_faces[static_cast<std::size_t>(feet[v].face)];
     if (near)
       for (const std::uint32_t v : t) loose[v] = 1;
   }
@@ -75,7 +76,8 @@ std::vector<std::int32_t> triangles_at(const EditMesh& mesh, const std::vector<s
   std::vector<std::int32_t> found;
   for (std::size_t t = mesh.triangles.size(); t-- > 0;) {
     const Triangle& q = mesh.triangles[t];
-    if (mesh.alive(static_cast<std::int32_t>(t)) && (loose[q[0]] || loose[q[1]] || loose[q[2]])) found.push_back(static_cast<std::int32_t>(t));
+    if (mesh.alive(static_cast<std::int32_t>(t)) && (loose[q[0]] || loose[q[1]] || loose[q[2]]))
+      found.push_back(static_cast<std::int32_t>(t));
   }
   return found;
 }

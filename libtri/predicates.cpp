@@ -58,7 +58,9 @@ struct CommonScale {
   }
 };
 
-int sign(Int128 value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
+int sign(Int128 value) {
+  return value > 0 ? 1 : value < 0 ? -1 : 0;
+}
 
 // Two's complement, least significant limb first.
 class Int256 {
@@ -194,7 +196,8 @@ int in_circle_exact(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
   }
   const auto big = [&](int i) { return BigInt(s.parts[static_cast<std::size_t>(i)], s.lowest); };
   const BigInt dx = big(6), dy = big(7);
-  const BigInt ax = big(0) - dx, ay = big(1) - dy, bx = big(2) - dx, by = big(3) - dy, cx = big(4) - dx, cy = big(5) - dy;
+  const BigInt ax = big(0) - dx, ay = big(1) - dy, bx = big(2) - dx, by = big(3) - dy, cx = big(4) - dx,
+               cy = big(5) - dy;
   return ((ax * ax + ay * ay) * (bx * cy - cx * by) + (bx * bx + by * by) * (cx * ay - ax * cy) +
           (cx * cx + cy * cy) * (ax * by - bx * ay))
       .sign();
@@ -228,7 +231,8 @@ PlanePredicates::PlanePredicates(const BitRange& range) {
   }
 }
 
-int PlanePredicates::orientation_close(const Vec2& a, const Vec2& b, const Vec2& c, double det, double magnitude) const {
+int PlanePredicates::orientation_close(const Vec2& a, const Vec2& b, const Vec2& c, double det,
+                                       double magnitude) const {
   if (magnitude < orientation_exact_below_) return det > 0 ? 1 : det < 0 ? -1 : 0;
   if ((a[0] == c[0] && b[0] == c[0]) || (a[1] == c[1] && b[1] == c[1])) return 0;
   return orientation_exact(a, b, c);

@@ -26,9 +26,9 @@ BitRange bit_range(std::span<const Vec2> points);
 /// Orientation and in-circle tests on one set of points, decided by rounding-error bounds [Shewchuk 1997, stage A]
 /// wherever these suffice and by integers of 256 bits or as many as it takes where they do not.
 ///
-/// The bounds hold only without overflow and underflow, which is settled once for the whole set: from its largest coordinate and the
-/// lowest bit that any coordinate uses follows whether a product of four differences can leave the range of a double.
-/// Immutable, so that threads may share it.
+/// The bounds hold only without overflow and underflow, which is settled once for the whole set: from its largest
+/// coordinate and the lowest bit that any coordinate uses follows whether a product of four differences can leave the
+/// range of a double. Immutable, so that threads may share it.
 class PlanePredicates {
  public:
   /// @param range the `bit_range` of finite points; the tests may be asked about these points only.

@@ -60,7 +60,8 @@ class Quantizer {
       if (extent > 0) largest = std::max(largest, std::ilogb(extent) + halved_[k]);
     }
     for (int k = 0; k < 2; ++k) {
-      // Two steps, since the scale of the smallest extents is itself out of range. The larger extent fills [2^31, 2^32).
+      // Two steps, since the scale of the smallest extents is itself out of range. The larger extent fills [2^31,
+      // 2^32).
       const int exponent = 31 - largest + halved_[k];
       first_[k] = std::ldexp(1.0, exponent / 2);
       second_[k] = std::ldexp(1.0, exponent - exponent / 2);
@@ -164,7 +165,8 @@ class Sorter {
     const Quantizer quantizer(count, [&](std::size_t i) -> const Vec2& { return points_[result_.order[begin + i]]; });
     if (quantizer.single_point()) {
       // The one that came first is kept.
-      std::sort(result_.order.begin() + static_cast<std::ptrdiff_t>(begin), result_.order.begin() + static_cast<std::ptrdiff_t>(end));
+      std::sort(result_.order.begin() + static_cast<std::ptrdiff_t>(begin),
+                result_.order.begin() + static_cast<std::ptrdiff_t>(end));
       for (std::size_t i = begin + 1; i < end; ++i) {
         duplicate_of_previous_[i] = 1;
         any_duplicate_ = true;
@@ -185,7 +187,8 @@ class Sorter {
       result_.order[begin + i] = items[i].index;
       const std::uint64_t difference = items[i].key ^ items[i - 1].key;
       if (difference != 0) {
-        result_.cuts[begin + i] = static_cast<std::uint16_t>(depth + static_cast<unsigned>(std::countl_zero(difference)));
+        result_.cuts[begin + i] =
+            static_cast<std::uint16_t>(depth + static_cast<unsigned>(std::countl_zero(difference)));
       } else if (!cells.empty() && cells.back().second == begin + i) {
         cells.back().second = begin + i + 1;
       } else {

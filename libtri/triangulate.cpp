@@ -26,6 +26,9 @@ constexpr double deflection_share = 1e-3;
 constexpr double deflection_angle = 0.35;  // radians
 constexpr double farthest_share = 0.05;    // of the diagonal: beyond it the points do not belong to the model
 
+constexpr double few_defects =
+    1e-4;  // folded edges and turned triangles per triangle, for `patches` to stand without a contest
+
 /// Notes the time of each step of a triangulation.
 class Stopwatch {
  public:
@@ -54,7 +57,8 @@ void check_distance(std::span<const Foot> feet, double diagonal) {
   const double usual = robust_sigma(feet) / 1.4826;
   if (usual <= farthest_share * diagonal) return;
   throw InvalidInput(
-      fmt::format("the points do not lie on the model: their median distance is {:.6g} mm, the model's diagonal {:.6g} mm; check the "
+      fmt::format("the points do not lie on the model: their median distance is {:.6g} mm, the model's diagonal {:.6g} "
+                  "mm; check the "
                   "units and the alignment of the points",
                   usual, diagonal));
 }
@@ -64,7 +68,8 @@ void leave_out(std::vector<Foot>& feet, std::span<const std::uint32_t> indices) 
   for (std::uint32_t i : indices) feet[i].face = -1;
 }
 
-Mesh to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& connected, Context& context) {
+Mesh to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet,
+             const PointMesh& connected, Context& context) {
   std::vector<std::int32_t> vertex_of(points.size(), -1);
   for (const Triangle& t : connected.triangles)
     for (std::uint32_t p : t) vertex_of[p] = 0;
@@ -120,6 +125,12 @@ struct Candidate {
 
   bool right_topology() const { return checks.mesh == checks.model && checks.unused_points == 0; }
   std::uint64_t defects() const { return checks.self_intersections + checks.folds + checks.turned; }
+  /// Nothing crosses, and folds are so few that another method is not worth its time.
+  bool clean() const {
+    return right_topology() && checks.self_intersections == 0 &&
+           static_cast<double>(checks.folds + checks.turned) <=
+               few_defects * static_cast<double>(mesh.triangles.size());
+  }
   bool better_than(const Candidate& other) const {
     if (checks.unused_points != other.checks.unused_points) return checks.unused_points < other.checks.unused_points;
     if (right_topology() != other.right_topology()) return right_topology();
@@ -128,8 +139,8 @@ struct Candidate {
 };
 
 /// Undoes what crossings flips can undo, then checks.
-void finish(Candidate& candidate, std::span<const Vec3> points, std::span<const Foot> feet, const SurfaceTopology& model,
-            const Context& context) {
+void finish(Candidate& candidate, std::span<const Vec3> points, std::span<const Foot> feet,
+            const SurfaceTopology& model, const Context& context) {
   const std::size_t crossings = untangle(points, feet, candidate.mesh, context).size();
   candidate.checks = check_triangulation(points, feet, candidate.mesh);
   candidate.checks.self_intersections = crossings;
@@ -137,23 +148,31 @@ void finish(Candidate& candidate, std::span<const Vec3> points, std::span<const 
   candidate.checks.mesh = topology(candidate.mesh.triangles, candidate.mesh.neighbors);
 }
 
-Candidate by_patches(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, bool keep_patches, Stopwatch& watch,
-                     Context& context) {
+Candidate by_patches(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, bool keep_patches,
+                     Stopwatch& watch, Context& context) {
   PatchConnection connection = connect_by_patches(model, feet, points, {.keep_patches = keep_patches}, context);
   watch.lap("connect by patches");
-  Candidate candidate{Method::patches, std::move(connection.mesh), std::move(connection.patches), {}, {}, std::move(connection.reports)};
+  Candidate candidate{Method::patches,
+                      std::move(connection.mesh),
+                      std::move(connection.patches),
+                      {},
+                      {},
+                      std::move(connection.reports)};
   const CadTopology cad = cad_topology(model);
   finish(candidate, points, feet, {cad.components, cad.loops, cad.euler}, context);
   watch.lap("untangle and check patches");
   for (const int f : connection.failed_faces)
-    candidate.notes.push_back(fmt::format("face {} could not be triangulated by itself: its trimming loops cross or touch", model.faces[f].index));
+    candidate.notes.push_back(fmt::format(
+        "face {} could not be triangulated by itself: its trimming loops cross or touch", model.faces[f].index));
   if (connection.open_stars > 0)
     candidate.notes.push_back(
-        fmt::format("{} places have too few points around them to keep the model's topology and were left open", connection.open_stars));
+        fmt::format("{} places have too few points around them to keep the model's topology and were left open",
+                    connection.open_stars));
   return candidate;
 }
 
-Candidate by_shell(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, Stopwatch& watch, Context& context) {
+Candidate by_shell(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, Stopwatch& watch,
+                   Context& context) {
   const Tessellation tessellation = tessellate(model, deflection_share * model.diagonal, deflection_angle, context);
   watch.lap("tessellate model");
   ShellConnection shell = connect_by_shell(model, tessellation, feet, context);
@@ -162,10 +181,11 @@ Candidate by_shell(const CadModel& model, std::span<const Vec3> points, std::spa
   finish(candidate, points, feet, topology(tessellation.triangles, tessellation.neighbors), context);
   watch.lap("untangle and check shell");
   if (shell.lost_shells > 0)
-    candidate.notes.push_back(fmt::format("{} connected parts of the model got no point and are not in the mesh", shell.lost_shells));
-  if (shell.open_stars > 0)
     candidate.notes.push_back(
-        fmt::format("{} places have too few points around them to keep the model's topology and were left open", shell.open_stars));
+        fmt::format("{} connected parts of the model got no point and are not in the mesh", shell.lost_shells));
+  if (shell.open_stars > 0)
+    candidate.notes.push_back(fmt::format(
+        "{} places have too few points around them to keep the model's topology and were left open", shell.open_stars));
   return candidate;
 }
 
@@ -176,9 +196,10 @@ std::string describe(const Candidate& candidate) {
                      c.mesh == c.model ? "exact" : "wrong", c.self_intersections, c.folds, c.turned, c.unused_points);
 }
 
-/// Runs the method asked for. Automatic runs `patches`, which is the faster, and `shell` only if the checks find anything wrong with it.
-Candidate connect(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, const TriangulateOptions& options,
-                  Stopwatch& watch, std::string& reason, Context& context) {
+/// Runs the method asked for. Automatic runs `patches`, which is the faster, and `shell` only if `patches` is not
+/// clean.
+Candidate connect(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet,
+                  const TriangulateOptions& options, Stopwatch& watch, std::string& reason, Context& context) {
   Candidate patches;
   if (options.method != Method::shell || options.keep_patches) {
     patches = by_patches(model, points, feet, options.keep_patches, watch, context);
@@ -187,8 +208,8 @@ Candidate connect(const CadModel& model, std::span<const Vec3> points, std::span
       return patches;
     }
   }
-  if (options.method == Method::automatic && patches.right_topology() && patches.defects() == 0) {
-    reason = "the checks find nothing wrong";
+  if (options.method == Method::automatic && patches.clean()) {
+    reason = fmt::format("the checks find next to nothing wrong: {}", describe(patches));
     return patches;
   }
   Candidate shell = by_shell(model, points, feet, watch, context);
@@ -205,12 +226,16 @@ Candidate connect(const CadModel& model, std::span<const Vec3> points, std::span
 
 void note_checks(const Candidate& candidate, TriangulateResult& result) {
   const TriangulationChecks& c = candidate.checks;
-  const auto text = [](const SurfaceTopology& t) { return fmt::format("{} / {} / {}", t.components, t.loops, t.euler); };
+  const auto text = [](const SurfaceTopology& t) {
+    return fmt::format("{} / {} / {}", t.components, t.loops, t.euler);
+  };
   if (!(c.mesh == c.model))
-    result.notes.push_back(fmt::format("topology differs from the model's: components / boundary loops / Euler characteristic are {}, the model's {}",
-                                       text(c.mesh), text(c.model)));
+    result.notes.push_back(fmt::format(
+        "topology differs from the model's: components / boundary loops / Euler characteristic are {}, the model's {}",
+        text(c.mesh), text(c.model)));
   result.notes.insert(result.notes.end(), candidate.notes.begin(), candidate.notes.end());
-  if (c.self_intersections > 0) result.notes.push_back(fmt::format("{} pairs of triangles cross each other", c.self_intersections));
+  if (c.self_intersections > 0)
+    result.notes.push_back(fmt::format("{} pairs of triangles cross each other", c.self_intersections));
   if (c.folds > 0) result.notes.push_back(fmt::format("{} edges are folded by more than 150 degrees", c.folds));
   if (c.turned > 0) result.notes.push_back(fmt::format("{} triangles face against the model", c.turned));
   if (c.unused_points > 0) result.notes.push_back(fmt::format("{} points could not be connected", c.unused_points));
@@ -231,7 +256,8 @@ TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> point
   result.duplicates = find_duplicates(points);
   leave_out(feet, result.duplicates);
   if (points.size() - result.duplicates.size() < 3)
-    throw InvalidInput(fmt::format("{} distinct points are too few: three make a triangle", points.size() - result.duplicates.size()));
+    throw InvalidInput(
+        fmt::format("{} distinct points are too few: three make a triangle", points.size() - result.duplicates.size()));
   check_distance(feet, model.diagonal);
   result.sigma = robust_sigma(feet);
   result.outliers = find_outliers(feet, model.diagonal, options.outlier_distance);

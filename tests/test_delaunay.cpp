@@ -23,7 +23,8 @@ namespace {
 __extension__ using Wide = __int128;
 using Lattice = std::vector<std::array<std::int64_t, 2>>;
 
-Wide area2(const std::array<std::int64_t, 2>& a, const std::array<std::int64_t, 2>& b, const std::array<std::int64_t, 2>& c) {
+Wide area2(const std::array<std::int64_t, 2>& a, const std::array<std::int64_t, 2>& b,
+           const std::array<std::int64_t, 2>& c) {
   return Wide(b[0] - a[0]) * (c[1] - a[1]) - Wide(b[1] - a[1]) * (c[0] - a[0]);
 }
 
@@ -66,7 +67,8 @@ Hull hull_of(Lattice p) {
 std::vector<Vec2> to_points(const Lattice& p, int exponent = 0) {
   std::vector<Vec2> points;
   for (const auto& q : p)
-    points.emplace_back(std::ldexp(static_cast<double>(q[0]), exponent), std::ldexp(static_cast<double>(q[1]), exponent));
+    points.emplace_back(std::ldexp(static_cast<double>(q[0]), exponent),
+                        std::ldexp(static_cast<double>(q[1]), exponent));
   return points;
 }
 
@@ -94,8 +96,8 @@ std::size_t check_neighbors(const Delaunay& d) {
   return open;
 }
 
-// All that makes a Delaunay triangulation: counter-clockwise triangles that cover the hull once, every distinct point a corner,
-// no opposite corner inside a circle.
+// All that makes a Delaunay triangulation: counter-clockwise triangles that cover the hull once, every distinct point a
+// corner, no opposite corner inside a circle.
 void check_delaunay(const Lattice& p, int exponent = 0) {
   tri::Context context;
   const Delaunay d = tri::delaunay(to_points(p, exponent), context);
@@ -149,7 +151,8 @@ Lattice grid(std::int64_t columns, std::int64_t rows, double angle, double spaci
   for (std::int64_t i = 0; i < columns; ++i)
     for (std::int64_t j = 0; j < rows; ++j) {
       const double x = spacing * static_cast<double>(i), y = spacing * static_cast<double>(j);
-      p.push_back({std::llround(x * std::cos(angle) - y * std::sin(angle)), std::llround(x * std::sin(angle) + y * std::cos(angle))});
+      p.push_back({std::llround(x * std::cos(angle) - y * std::sin(angle)),
+                   std::llround(x * std::sin(angle) + y * std::cos(angle))});
     }
   return p;
 }
@@ -225,7 +228,8 @@ TEST_CASE("delaunay: clusters with outliers, nested clusters, scan lines") {
 
   Lattice nested;
   for (int k = 0; k < 27; ++k)
-    for (const auto& q : random_lattice(6, std::int64_t{1} << k, static_cast<unsigned>(k))) nested.push_back({q[0] + 12345, q[1] - 54321});
+    for (const auto& q : random_lattice(6, std::int64_t{1} << k, static_cast<unsigned>(k)))
+      nested.push_back({q[0] + 12345, q[1] - 54321});
   check_delaunay(nested);
 
   Lattice doubling;
@@ -236,7 +240,8 @@ TEST_CASE("delaunay: clusters with outliers, nested clusters, scan lines") {
   Lattice scan;
   for (std::int64_t line = 0; line < 30; ++line)
     for (std::int64_t k = 0; k < 300; ++k)
-      scan.push_back({10000 * k + static_cast<std::int64_t>(random() % 1000), 200000 * line + static_cast<std::int64_t>(random() % 100)});
+      scan.push_back({10000 * k + static_cast<std::int64_t>(random() % 1000),
+                      200000 * line + static_cast<std::int64_t>(random() % 100)});
   check_delaunay(scan);
 }
 
@@ -264,7 +269,9 @@ TEST_CASE("delaunay: huge and tiny coordinates in one set") {
   for (const auto& t : d.triangles) inner += t[0] < 25 && t[1] < 25 && t[2] < 25;
   CHECK(inner == 32);
   const double largest = std::numeric_limits<double>::max();
-  CHECK(tri::delaunay(std::vector<Vec2>{{-largest, -largest}, {largest, -largest}, {largest, largest}, {-largest, largest}}, context)
+  CHECK(tri::delaunay(
+            std::vector<Vec2>{{-largest, -largest}, {largest, -largest}, {largest, largest}, {-largest, largest}},
+            context)
             .triangles.size() == 2);
 }
 

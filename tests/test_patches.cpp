@@ -25,7 +25,8 @@ struct Measured {
 };
 
 // The truth of a virtual measurement stands in for the registration.
-Measured measured(const Shape& shape, std::uint64_t n, SamplingPattern pattern = SamplingPattern::random, double noise = 0.001) {
+Measured measured(const Shape& shape, std::uint64_t n, SamplingPattern pattern = SamplingPattern::random,
+                  double noise = 0.001) {
   Context context;
   MeasurementOptions options;
   options.points = n;
@@ -34,7 +35,8 @@ Measured measured(const Shape& shape, std::uint64_t n, SamplingPattern pattern =
   const VirtualMeasurement m = measure(shape, options, context);
   Measured result{make_cad_model(shape), m.points, {}};
   std::map<int, int> position;
-  for (std::size_t f = 0; f < result.model.faces.size(); ++f) position[result.model.faces[f].index] = static_cast<int>(f);
+  for (std::size_t f = 0; f < result.model.faces.size(); ++f)
+    position[result.model.faces[f].index] = static_cast<int>(f);
   for (std::size_t i = 0; i < m.points.size(); ++i) {
     const TruePoint& t = m.truth[i];
     Foot foot;
@@ -78,7 +80,8 @@ Counted check_manifold(const PointMesh& mesh) {
         edges += from < to;
       }
     }
-  counted.euler = static_cast<long>(counted.vertices.size()) - static_cast<long>(edges) + static_cast<long>(mesh.triangles.size());
+  counted.euler =
+      static_cast<long>(counted.vertices.size()) - static_cast<long>(edges) + static_cast<long>(mesh.triangles.size());
   while (!rim.empty()) {
     ++counted.loops;
     for (auto at = rim.begin(); at != rim.end();) {
@@ -130,7 +133,8 @@ void check_complete(const Measured& m, const PatchesOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("connect_by_patches: solids of planes, cylinders, cones, spheres and tori keep their topology and every point") {
+TEST_CASE(
+    "connect_by_patches: solids of planes, cylinders, cones, spheres and tori keep their topology and every point") {
   for (const auto& solid : test::known_solids()) {
     for (const std::uint64_t n : {300, 3000}) {
       CAPTURE(solid.name);

@@ -76,7 +76,8 @@ TEST_CASE("in_circle: the corners of any axis-parallel rectangle are cocircular,
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> any(-1000, 1000);
   for (int i = 0; i < 200; ++i) {
-    const double x0 = any(random), x1 = x0 + std::fabs(any(random)) * std::pow(10, -(i % 12)), y0 = any(random), y1 = y0 + std::fabs(any(random));
+    const double x0 = any(random), x1 = x0 + std::fabs(any(random)) * std::pow(10, -(i % 12)), y0 = any(random),
+                 y1 = y0 + std::fabs(any(random));
     check_in_circle({x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}, 0);
     check_in_circle({x0, y0}, {x1, y0}, {x1, y1}, {x0, std::nextafter(y1, y0)}, 1);
   }

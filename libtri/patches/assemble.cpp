@@ -27,14 +27,15 @@ struct EdgeState {
 
 class Assembler {
  public:
-  Assembler(const CadModel& model, std::span<const Foot> feet, std::span<const Vec3> points, const PatchesOptions& options,
-            const Context& context, AssembledPatches& result)
+  Assembler(const CadModel& model, std::span<const Foot> feet, std::span<const Vec3> points,
+            const PatchesOptions& options, const Context& context, AssembledPatches& result)
       : model_(model), feet_(feet), points_(points), options_(options), context_(context), result_(result) {}
 
   void run() {
     sort_by_face();
     domains_.resize(model_.faces.size());
-    tbb::parallel_for(std::size_t{0}, domains_.size(), [&](std::size_t f) { domains_[f] = face_domain(model_.faces[f]); });
+    tbb::parallel_for(std::size_t{0}, domains_.size(),
+                      [&](std::size_t f) { domains_[f] = face_domain(model_.faces[f]); });
     prepare_edges();
     place_points();
     for (std::size_t e = 0; e < edges_.size(); ++e) build_chain(e);
@@ -63,12 +64,14 @@ class Assembler {
     edges_.resize(model_.edges.size());
     for (std::size_t f = 0; f < n_faces(); ++f)
       for (const auto& loop : domains_[f].loops)
-        for (const CoedgeCurve& curve : loop) edges_[static_cast<std::size_t>(curve.edge())].uses.emplace_back(&curve, static_cast<int>(f));
+        for (const CoedgeCurve& curve : loop)
+          edges_[static_cast<std::size_t>(curve.edge())].uses.emplace_back(&curve, static_cast<int>(f));
     for (EdgeState& edge : edges_) {
       double spacing = std::numeric_limits<double>::infinity();
       for (const auto& [curve, f] : edge.uses) {
         const std::size_t n = start_[static_cast<std::size_t>(f) + 1] - start_[static_cast<std::size_t>(f)];
-        const double own = n >= 4 ? std::sqrt(model_.faces[static_cast<std::size_t>(f)].area / static_cast<double>(n)) : overall;
+        const double own =
+            n >= 4 ? std::sqrt(model_.faces[static_cast<std::size_t>(f)].area / static_cast<double>(n)) : overall;
         spacing = std::min(spacing, own);
       }
       edge.spacing = spacing;
@@ -112,20 +115,24 @@ class Assembler {
     }
   }
 
-  // A face that closes on itself needs vertices all around, or triangles would reach around it from both sides of the seam.
+  // A face that closes on itself needs vertices all around, or triangles would reach around it from both sides of the
+  // seam.
   void add_inner_vertices(std::size_t f) {
     bool closed = false;
     for (const auto& loop : domains_[f].loops)
       for (const CoedgeCurve& curve : loop) {
         const auto& uses = edges_[static_cast<std::size_t>(curve.edge())].uses;
-        closed |= model_.edges[static_cast<std::size_t>(curve.edge())].degenerate || (uses.size() == 2 && uses[0].second == uses[1].second);
+        closed |= model_.edges[static_cast<std::size_t>(curve.edge())].degenerate ||
+                  (uses.size() == 2 && uses[0].second == uses[1].second);
       }
     if (!closed) return;
     const CadFace& face = model_.faces[f];
     const FaceDomain& domain = domains_[f];
     constexpr int around = 6;
     const Vec2 size = domain.to_plane({face.u_max - face.u_min, face.v_max - face.v_min});
-    const auto count = [&](int k) { return std::clamp(static_cast<int>(around * size[k] / std::max(size[1 - k], 1e-300)), around, 64); };
+    const auto count = [&](int k) {
+      return std::clamp(static_cast<int>(around * size[k] / std::max(size[1 - k], 1e-300)), around, 64);
+    };
     const int nu = count(0), nv = count(1);
     for (int i = 0; i < nu; ++i)
       for (int j = 0; j < nv; ++j) {
@@ -152,13 +159,15 @@ class Assembler {
     const CadEdge& cad = model_.edges[e];
     const CoedgeCurve& curve = *edge.uses[0].first;
     const std::uint32_t first = corner(cad.start_vertex, curve.space_point(0));
-    const bool closed = cad.degenerate || (cad.start_vertex == cad.end_vertex && (curve.space_point(0) - curve.space_point(1)).norm() <=
-                                                                                      1e-3 * curve.length());
+    const bool closed =
+        cad.degenerate || (cad.start_vertex == cad.end_vertex &&
+                           (curve.space_point(0) - curve.space_point(1)).norm() <= 1e-3 * curve.length());
     const std::uint32_t last = closed ? first : corner(cad.end_vertex, curve.space_point(1));
     const bool seam = edge.uses.size() == 2 && edge.uses[0].second == edge.uses[1].second;
 
     auto& nodes = edge.measured;
-    std::sort(nodes.begin(), nodes.end(), [](const ChainNode& a, const ChainNode& b) { return a.s != b.s ? a.s < b.s : a.vertex < b.vertex; });
+    std::sort(nodes.begin(), nodes.end(),
+              [](const ChainNode& a, const ChainNode& b) { return a.s != b.s ? a.s < b.s : a.vertex < b.vertex; });
     separate(nodes);
 
     chain.push_back({0, first});
@@ -238,7 +247,8 @@ class Assembler {
     FacePatch& patch = patches_[f];
     for (const auto& [vertex, kept] : patch.coincident) {
       auto& list = inside_[f];
-      const auto at = std::find_if(list.begin(), list.end(), [v = vertex](const PlanePoint& p) { return p.vertex == v; });
+      const auto at =
+          std::find_if(list.begin(), list.end(), [v = vertex](const PlanePoint& p) { return p.vertex == v; });
       if (at == list.end()) continue;
       if (vertex >= points_.size()) {
         list.erase(at);
@@ -255,7 +265,8 @@ class Assembler {
     }
     for (const std::uint32_t vertex : patch.outside) {
       auto& list = inside_[f];
-      const auto at = std::find_if(list.begin(), list.end(), [vertex](const PlanePoint& p) { return p.vertex == vertex; });
+      const auto at =
+          std::find_if(list.begin(), list.end(), [vertex](const PlanePoint& p) { return p.vertex == vertex; });
       if (at == list.end()) continue;
       if (vertex < points_.size()) {
         const auto place = indices_[f]->closest(at->p);
@@ -282,7 +293,8 @@ class Assembler {
   void assemble() {
     std::vector<EditMesh::Vertex> vertices(points_.size() + auxiliary_.size());
     std::vector<std::uint8_t> on_chain(vertices.size(), 0);
-    for (std::size_t i = 0; i < points_.size(); ++i) vertices[i] = {feet_[i].point, feet_[i].normal, 0, static_cast<std::int32_t>(i)};
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      vertices[i] = {feet_[i].point, feet_[i].normal, 0, static_cast<std::int32_t>(i)};
     for (std::size_t k = 0; k < auxiliary_.size(); ++k) vertices[points_.size() + k].p = auxiliary_[k];
     std::vector<std::size_t> sizes;
     for (const EdgeChain& chain : chains_) {

@@ -6,7 +6,8 @@
 
 namespace tri {
 
-BoundaryIndex::BoundaryIndex(const FaceDomain& domain, std::span<const double> reach) : reach_(reach.begin(), reach.end()) {
+BoundaryIndex::BoundaryIndex(const FaceDomain& domain, std::span<const double> reach)
+    : reach_(reach.begin(), reach.end()) {
   Vec2 high(-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
   low_ = -high;
   double largest_reach = 0;
@@ -32,8 +33,10 @@ BoundaryIndex::BoundaryIndex(const FaceDomain& domain, std::span<const double> r
     const double r = reach_[static_cast<std::size_t>(s.curve->edge())];
     const Vec2 &a = s.curve->plane()[s.index], &b = s.curve->plane()[s.index + 1];
     const auto range = [&](int k, int count) {
-      const double from = (std::min(a[k], b[k]) - r - low_[k]) * per_cell_, to = (std::max(a[k], b[k]) + r - low_[k]) * per_cell_;
-      return std::pair(std::clamp(static_cast<int>(from), 0, count - 1), std::clamp(static_cast<int>(to), 0, count - 1));
+      const double from = (std::min(a[k], b[k]) - r - low_[k]) * per_cell_,
+                   to = (std::max(a[k], b[k]) + r - low_[k]) * per_cell_;
+      return std::pair(std::clamp(static_cast<int>(from), 0, count - 1),
+                       std::clamp(static_cast<int>(to), 0, count - 1));
     };
     const auto [x0, x1] = range(0, columns_);
     const auto [y0, y1] = range(1, rows_);
@@ -68,8 +71,10 @@ BoundaryIndex::Place BoundaryIndex::close(const Vec2& p) const {
   Place best;
   const double x = (p[0] - low_[0]) * per_cell_, y = (p[1] - low_[1]) * per_cell_;
   if (!(x >= 0 && y >= 0 && x < columns_ && y < rows_)) return best;
-  const std::size_t cell = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
-  for (std::uint32_t i = cell_start_[cell]; i < cell_start_[cell + 1]; ++i) consider(segments_[cell_segments_[i]], p, false, best);
+  const std::size_t cell =
+      static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
+  for (std::uint32_t i = cell_start_[cell]; i < cell_start_[cell + 1]; ++i)
+    consider(segments_[cell_segments_[i]], p, false, best);
   return best;
 }
 

@@ -52,7 +52,7 @@ void ConstrainedDelaunay::flip(std::int32_t t, int k) {
   const int kd = (kb + 1) % 3, kc = (kb + 2) % 3;
   const std::uint32_t d = triangles_[ni][kd];
   const std::int32_t across_b = neighbors_[ti][(k + 1) % 3], across_c = neighbors_[ti][(k + 2) % 3];  // edges ca and ab
-  const std::int32_t beyond_b = neighbors_[ni][kb], beyond_c = neighbors_[ni][kc];                      // edges dc and bd
+  const std::int32_t beyond_b = neighbors_[ni][kb], beyond_c = neighbors_[ni][kc];                    // edges dc and bd
   const auto bit = [&](std::size_t x, int i, int to) { return static_cast<std::uint8_t>((fixed_[x] >> i & 1) << to); };
   const auto flags_t = static_cast<std::uint8_t>(bit(ni, kc, 0) | bit(ti, (k + 2) % 3, 2));
   const auto flags_n = static_cast<std::uint8_t>(bit(ni, kb, 0) | bit(ti, (k + 1) % 3, 1));
@@ -92,7 +92,9 @@ ConstrainedDelaunay::Outcome ConstrainedDelaunay::insert(std::uint32_t from, std
     const std::uint32_t b = triangles_[static_cast<std::size_t>(s)][(c + 1) % 3];
     const std::uint32_t e = triangles_[static_cast<std::size_t>(s)][(c + 2) % 3];
     const int side_b = turn(from, to, b), side_e = turn(from, to, e);
-    const auto ahead = [&](std::uint32_t v) { return ((points_[v] - points_[from]) | (points_[to] - points_[from])) > 0; };
+    const auto ahead = [&](std::uint32_t v) {
+      return ((points_[v] - points_[from]) | (points_[to] - points_[from])) > 0;
+    };
     for (const auto& [v, side] : {std::pair(b, side_b), std::pair(e, side_e)})
       if (side == 0 && ahead(v)) {
         blocking_ = v;
@@ -148,7 +150,8 @@ ConstrainedDelaunay::Outcome ConstrainedDelaunay::insert(std::uint32_t from, std
       continue;
     }
     flip(edge.triangle, edge.corner);
-    if (r != from && r != to && o != from && o != to && turn(from, to, r) * turn(from, to, o) < 0) crossed.emplace_back(r, o);
+    if (r != from && r != to && o != from && o != to && turn(from, to, r) * turn(from, to, o) < 0)
+      crossed.emplace_back(r, o);
   }
   fix(left_of(from, to));
   fix(left_of(to, from));

@@ -8,8 +8,8 @@
 
 namespace tri {
 
-/// One use of an edge in the plane of its face: (u,v) scaled to millimetres, over the share of the edge's length in space.
-/// Uses of one edge by two faces so have a parameter in common without relying on the file's.
+/// One use of an edge in the plane of its face: (u,v) scaled to millimetres, over the share of the edge's length in
+/// space. Uses of one edge by two faces so have a parameter in common without relying on the file's.
 class CoedgeCurve {
  public:
   /// @param scale  mm per unit of u and v
@@ -35,16 +35,16 @@ class CoedgeCurve {
   int edge_;
   bool reversed_;
   double length_ = 0;
-  std::vector<Vec2> plane_;     // in the edge's own direction
+  std::vector<Vec2> plane_;  // in the edge's own direction
   std::vector<Vec3> space_;
-  std::vector<double> share_;   // 0 to 1
+  std::vector<double> share_;  // 0 to 1
 };
 
 /// A face as a polygon with holes in its own plane.
 struct FaceDomain {
-  Vec2 scale{1, 1};                             ///< mm per unit of u and v, mean over the face
-  /// The plane shows lengths in every direction and place about as they are in space, so that Delaunay there is Delaunay on the
-  /// surface.
+  Vec2 scale{1, 1};  ///< mm per unit of u and v, mean over the face
+  /// The plane shows lengths in every direction and place about as they are in space, so that Delaunay there is
+  /// Delaunay on the surface.
   bool uniform = true;
   std::vector<std::vector<CoedgeCurve>> loops;  ///< as CadFace::loops
   Vec2 to_plane(const Vec2& uv) const { return {uv[0] * scale[0], uv[1] * scale[1]}; }
@@ -53,8 +53,8 @@ FaceDomain face_domain(const CadFace& face);
 
 /// A vertex on an edge of the model.
 struct ChainNode {
-  double s = 0;             ///< share of the edge's length, in its own direction
-  std::uint32_t vertex = 0; ///< of the mesh to be
+  double s = 0;              ///< share of the edge's length, in its own direction
+  std::uint32_t vertex = 0;  ///< of the mesh to be
 };
 
 /// The vertices along one edge, from its start to its end.

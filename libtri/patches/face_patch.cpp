@@ -162,12 +162,15 @@ class Patcher {
       auto& around = patch_.neighbors.emplace_back();
       for (int k = 0; k < 3; ++k) {
         const std::int32_t next = triangulation.neighbors()[t][k];
-        around[k] = triangulation.fixed(static_cast<std::int32_t>(t), k) || next < 0 ? -1 : number[static_cast<std::size_t>(next)];
+        around[k] = triangulation.fixed(static_cast<std::int32_t>(t), k) || next < 0
+                        ? -1
+                        : number[static_cast<std::size_t>(next)];
       }
     }
     for (const Segment& s : segments_) {
       const auto side = triangulation.left_of(s.from, s.to);
-      patch_.sides.push_back({number[static_cast<std::size_t>(side.triangle)], side.corner, s.edge, s.segment, s.along});
+      patch_.sides.push_back(
+          {number[static_cast<std::size_t>(side.triangle)], side.corner, s.edge, s.segment, s.along});
     }
     for (std::size_t i = n_nodes_; i < plane_.size(); ++i)
       if (!used[i]) patch_.outside.push_back(vertex_[i]);
@@ -195,8 +198,9 @@ class Patcher {
 
 }  // namespace
 
-FacePatch triangulate_face(const FaceDomain& domain, const std::vector<EdgeChain>& chains, std::span<const PlanePoint> nodes,
-                           std::span<const double> reach, std::span<const PlanePoint> points, const Context& context) {
+FacePatch triangulate_face(const FaceDomain& domain, const std::vector<EdgeChain>& chains,
+                           std::span<const PlanePoint> nodes, std::span<const double> reach,
+                           std::span<const PlanePoint> points, const Context& context) {
   return Patcher(domain, chains, nodes, reach, points).run(context);
 }
 

@@ -103,8 +103,8 @@ int opposite(const EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_
   return 0;
 }
 
-// Halves the triangle (a, b, c) from c to m on its edge (a, b): it keeps (a, m, c). Returns the new one, (m, b, c). Unlike
-// EditMesh::split_edge it tells edges by their vertices, for two triangles may share two edges here.
+// Halves the triangle (a, b, c) from c to m on its edge (a, b): it keeps (a, m, c). Returns the new one, (m, b, c).
+// Unlike EditMesh::split_edge it tells edges by their vertices, for two triangles may share two edges here.
 std::int32_t halve(EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_t b, std::uint32_t m) {
   const int k = opposite(mesh, t, a, b);
   const auto i = static_cast<std::size_t>(t);
@@ -145,7 +145,8 @@ void split_edge(EditMesh& mesh, std::int32_t t, int k) {
   mesh.neighbors[static_cast<std::size_t>(n)][opposite(mesh, n, b, m)] = half;
 }
 
-// Around a pole or a narrow closed face two edges may join the same two vertices: all but one get a vertex in the middle.
+// Around a pole or a narrow closed face two edges may join the same two vertices: all but one get a vertex in the
+// middle.
 void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain) {
   struct Edge {
     std::uint32_t a, b;
@@ -161,7 +162,8 @@ void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chai
       if (n >= 0 && a > b) continue;  // seen from the other side
       edges.push_back({std::min(a, b), std::max(a, b), {static_cast<std::int32_t>(i), k}});
     }
-  std::stable_sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
+  std::stable_sort(edges.begin(), edges.end(),
+                   [](const Edge& x, const Edge& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const Edge& e = edges[i];
     if (e.a != edges[i - 1].a || e.b != edges[i - 1].b) continue;
@@ -172,7 +174,9 @@ void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chai
     for (const std::int32_t t : around) {
       const Triangle& q = mesh.triangles[static_cast<std::size_t>(t)];
       const int k = opposite(mesh, t, e.a, e.b), back = opposite(mesh, t, e.b, e.a);
-      const auto is = [&](int c, std::uint32_t x, std::uint32_t y) { return q[(c + 1) % 3] == x && q[(c + 2) % 3] == y; };
+      const auto is = [&](int c, std::uint32_t x, std::uint32_t y) {
+        return q[(c + 1) % 3] == x && q[(c + 2) % 3] == y;
+      };
       if (is(k, e.a, e.b)) {
         split_edge(mesh, t, k);
       } else if (is(back, e.b, e.a)) {
@@ -187,8 +191,9 @@ void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chai
 
 }  // namespace
 
-EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patches, const std::vector<std::size_t>& chain_sizes,
-                      std::vector<EditMesh::Vertex> vertices, const std::vector<std::uint8_t>& on_chain) {
+EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patches,
+                      const std::vector<std::size_t>& chain_sizes, std::vector<EditMesh::Vertex> vertices,
+                      const std::vector<std::uint8_t>& on_chain) {
   EditMesh mesh;
   mesh.vertices = std::move(vertices);
   std::size_t total = 0;
