@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -8,6 +7,10 @@
 
 #include "meshops/context.hpp"
 #include "meshops/error.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace tri::cli {
 

@@ -17,6 +17,10 @@ Outcome run_tri(const std::vector<std::string>& arguments, const std::string& fo
                 int interrupt_after_ms) {
   const TemporaryFolder captured;
   const std::string out = out_path.empty() ? captured / "out" : out_path, err = captured / "err";
+  // As in main.cpp, for the program when it is built with the leak sanitizer.
+  const std::string suppressions =
+      captured.make("suppressions", "leak:libTKernel\nleak:libTKXSBase\nleak:libTKSTEP\nleak:libTKIGES\n");
+  setenv("LSAN_OPTIONS", ("print_suppressions=0:suppressions=" + suppressions).c_str(), 1);
   std::vector<char*> words{const_cast<char*>(TRI_PROGRAM)};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
