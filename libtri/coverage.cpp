@@ -1,10 +1,14 @@
 #include "libtri/coverage.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "libtri/disjoint_sets.hpp"
 #include "meshops/nearest_points.hpp"
@@ -15,17 +19,18 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Shape3 {
-  double circumradius = 0, longest = 0, shortest = 0;
+  float circumradius = 0, longest = 0, shortest = 0;
 };
 
 Shape3 shape_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm();
   const double twice_area = ((b - a) % (c - a)).norm();
   Shape3 s;
-  s.longest = std::max({ab, bc, ca});
-  s.shortest = std::min({ab, bc, ca});
+  s.longest = static_cast<float>(std::max({ab, bc, ca}));
+  s.shortest = static_cast<float>(std::min({ab, bc, ca}));
   // A needle's circumcircle says nothing about the points around it.
-  s.circumradius = std::min(twice_area > 0 ? ab * bc * ca / (2 * twice_area) : infinity, s.longest);
+  if (twice_area > 0) s.circumradius = static_cast<float>(ab * bc * ca / (2 * twice_area));
+  if (!(twice_area > 0) || s.circumradius > s.longest) s.circumradius = s.longest;
   return s;
 }
 
@@ -43,34 +48,47 @@ struct Stars {
   std::span<const std::uint32_t> of(std::uint32_t v) const { return {items.data() + start[v], items.data() + start[v + 1]}; }
 };
 
-double lower_median(std::vector<double>& x) {
+float lower_median(std::vector<float>& x) {
   const auto middle = x.begin() + static_cast<std::ptrdiff_t>((x.size() - 1) / 2);
   std::nth_element(x.begin(), middle, x.end());
   return *middle;
 }
 
-std::vector<double> spacing_from(const PointMesh& mesh, const Stars& stars, std::span<const Vec3> places) {
+std::vector<Shape3> shapes_of(const PointMesh& mesh, std::span<const Vec3> places) {
+  std::vector<Shape3> shapes(mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, shapes.size(), [&](std::size_t t) {
+    const Triangle& q = mesh.triangles[t];
+    shapes[t] = shape_of(places[q[0]], places[q[1]], places[q[2]]);
+  });
+  return shapes;
+}
+
+std::vector<float> spacing_from(const PointMesh& mesh, const std::vector<Shape3>& shapes, const Stars& stars) {
   // Between scan lines the circle through three points spans the distance of the lines; on scattered points it is smaller
   // than the spacing, by 0.6 in the median of a Poisson process.
-  constexpr double scattered = 1.5, lines = 2.0, elongated = 0.3;
-  std::vector<double> first(places.size(), 0), result(places.size(), 0), radii, ratios;
-  for (std::uint32_t v = 0; v < places.size(); ++v) {
-    radii.clear(), ratios.clear();
-    for (std::uint32_t t : stars.of(v)) {
-      const Triangle& q = mesh.triangles[t];
-      const Shape3 s = shape_of(places[q[0]], places[q[1]], places[q[2]]);
-      radii.push_back(s.circumradius);
-      ratios.push_back(s.circumradius > 0 ? s.shortest / s.circumradius : 1);
+  constexpr float scattered = 1.5f, lines = 2.0f, elongated = 0.3f;
+  const std::size_t vertices = stars.start.size() - 1;
+  std::vector<float> first(vertices, 0), result(vertices, 0);
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(vertices), 4096), [&](const auto& range) {
+    std::vector<float> radii, ratios;
+    for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
+      radii.clear(), ratios.clear();
+      for (std::uint32_t t : stars.of(v)) {
+        radii.push_back(shapes[t].circumradius);
+        ratios.push_back(shapes[t].circumradius > 0 ? shapes[t].shortest / shapes[t].circumradius : 1);
+      }
+      if (!radii.empty()) first[v] = lower_median(radii) * (lower_median(ratios) < elongated ? lines : scattered);
     }
-    if (radii.empty()) continue;
-    first[v] = lower_median(radii) * (lower_median(ratios) < elongated ? lines : scattered);
-  }
-  for (std::uint32_t v = 0; v < places.size(); ++v) {
-    radii.clear();
-    for (std::uint32_t t : stars.of(v))
-      for (std::uint32_t w : mesh.triangles[t]) radii.push_back(first[w]);
-    if (!radii.empty()) result[v] = lower_median(radii);
-  }
+  });
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(vertices), 4096), [&](const auto& range) {
+    std::vector<float> around;
+    for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
+      around.clear();
+      for (std::uint32_t t : stars.of(v))
+        for (std::uint32_t w : mesh.triangles[t]) around.push_back(first[w]);
+      if (!around.empty()) result[v] = lower_median(around);
+    }
+  });
   return result;
 }
 
@@ -90,9 +108,21 @@ bool same_side(const std::array<float, 3>& a, const std::array<float, 3>& b) {
 /// Distance from places on the model to the nearest measured point on the same side of the wall, and to free edges.
 class EmptyDiscs {
  public:
-  EmptyDiscs(const CadModel& model, std::span<const Foot> feet, double step) : feet_(feet) {
+  /// @param reach  mm: points farther than this from every one of `probes` are not needed to tell an empty disc
+  EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::span<const Foot> probes, double reach, double step)
+      : feet_(feet), reach_(reach) {
+    std::unordered_set<std::uint64_t> cells;
+    const auto cell = [&](const Vec3& p, int dx, int dy, int dz) {
+      const auto at = [&](int k, int d) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p[k] / reach)) + d) & 0x1fffff; };
+      return at(0, dx) << 42 | at(1, dy) << 21 | at(2, dz);
+    };
+    // Few probes, as on a part that was measured everywhere, need few points; a tree over all would cost more than all else.
+    const bool few = probes.size() < feet.size() / 64;
+    if (few)
+      for (const Foot& probe : probes)
+        for (int i = 0; i < 27; ++i) cells.insert(cell(probe.point, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
     for (std::uint32_t i = 0; i < feet.size(); ++i)
-      if (feet[i].face >= 0) places_.push_back(feet[i].point), index_.push_back(i);
+      if (feet[i].face >= 0 && (!few || cells.contains(cell(feet[i].point, 0, 0, 0)))) places_.push_back(feet[i].point), index_.push_back(i);
     for (const CadEdge& edge : model.edges)
       if (edge.faces.size() == 1 && !edge.degenerate)
         for (std::size_t k = 0; k + 1 < edge.polyline.size(); ++k) {
@@ -115,7 +145,7 @@ class EmptyDiscs {
         }
       if (nearest < infinity || found_.size() < k || k > 4096) break;
     }
-    if (nearest == infinity && !found_.empty()) nearest = std::sqrt(found_.back().squared_distance);
+    if (nearest == infinity) nearest = found_.empty() ? reach_ : std::sqrt(found_.back().squared_distance);
     if (rim_tree_) {
       rim_tree_->nearest(at.point, 1, found_);
       nearest = std::min(nearest, std::sqrt(found_[0].squared_distance));
@@ -125,6 +155,7 @@ class EmptyDiscs {
 
  private:
   std::span<const Foot> feet_;
+  double reach_;
   std::vector<Vec3> places_, rim_;
   std::vector<std::uint32_t> index_;  // of the point at each place
   std::optional<NearestPoints> points_, rim_tree_;
@@ -202,8 +233,8 @@ void keep_manifold(const PointMesh& mesh, const Stars& stars, std::vector<bool>&
 
 }  // namespace
 
-std::vector<double> point_spacing(const PointMesh& mesh, std::span<const Vec3> places) {
-  return spacing_from(mesh, Stars(mesh.triangles, places.size()), places);
+std::vector<float> point_spacing(const PointMesh& mesh, std::span<const Vec3> places) {
+  return spacing_from(mesh, shapes_of(mesh, places), Stars(mesh.triangles, places.size()));
 }
 
 Coverage find_unmeasured(const CadModel& model, const Registration& registration, const PointMesh& mesh, std::span<const Foot> feet,
@@ -213,19 +244,18 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   std::vector<Vec3> places;
   for (const Foot& f : feet) places.push_back(f.point);
   const Stars stars(mesh.triangles, places.size());
-  const std::vector<double> spacing = spacing_from(mesh, stars, places);
-  const auto triangle_spacing = [&](const Triangle& q) { return std::max({spacing[q[0]], spacing[q[1]], spacing[q[2]]}); };
+  const std::vector<Shape3> shapes = shapes_of(mesh, places);
+  const std::vector<float> spacing = spacing_from(mesh, shapes, stars);
+  const auto triangle_spacing = [&](const Triangle& q) { return static_cast<double>(std::max({spacing[q[0]], spacing[q[1]], spacing[q[2]]})); };
 
   // Only a triangle with a large circumcircle can hold the middle of a large empty disc: probe those.
   std::vector<Vec3> probes;
   std::vector<std::uint32_t> probe_triangle;
-  double smallest_spacing = infinity;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& q = mesh.triangles[t];
     const Vec3 &a = places[q[0]], &b = places[q[1]], &c = places[q[2]];
-    const Shape3 s = shape_of(a, b, c);
+    const Shape3& s = shapes[t];
     const double h = triangle_spacing(q);
-    if (h > 0) smallest_spacing = std::min(smallest_spacing, h);
     if (s.circumradius < 0.9 * hole_size * h) continue;
     const int n = std::clamp(static_cast<int>(std::ceil(s.longest / std::max(h, 1e-300))), 3, 24);
     for (int i = 0; i <= n; ++i)
@@ -237,7 +267,13 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   context.checkpoint();
   if (probes.empty()) return result;
   const std::vector<Foot> probe_feet = registration.register_points(probes, context);
-  EmptyDiscs empty(model, feet, smallest_spacing);
+  double finest = infinity, widest_spacing = 0;
+  for (std::uint32_t t : probe_triangle) {
+    const double h = triangle_spacing(mesh.triangles[t]);
+    if (h > 0) finest = std::min(finest, h);
+    widest_spacing = std::max(widest_spacing, h);
+  }
+  EmptyDiscs empty(model, feet, probe_feet, 64 * hole_size * widest_spacing, std::max(0.25 * finest, 0.01 * widest_spacing));
   std::vector<Disc> discs;
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Foot& foot = probe_feet[i];
@@ -261,7 +297,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   std::vector<NearestPoints::Neighbor> near;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& q = mesh.triangles[t];
-    if (open[t] || shape_of(places[q[0]], places[q[1]], places[q[2]]).longest < triangle_spacing(q)) continue;
+    if (open[t] || shapes[t].longest < triangle_spacing(q)) continue;
     const Vec3 middle = (places[q[0]] + places[q[1]] + places[q[2]]) / 3;
     center_tree.nearest(middle, 1, near);
     if (near[0].squared_distance > widest * widest) continue;
@@ -278,10 +314,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   }
   std::vector<float> size(mesh.triangles.size(), 0);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    if (open[t]) {
-      const Triangle& q = mesh.triangles[t];
-      size[t] = static_cast<float>(shape_of(places[q[0]], places[q[1]], places[q[2]]).circumradius);
-    }
+    if (open[t]) size[t] = shapes[t].circumradius;
   keep_manifold(mesh, stars, open, size);
 
   DisjointSets connected(mesh.triangles.size());

@@ -22,7 +22,7 @@ struct Coverage {
 ///
 /// @param places  feet of the points on the model, one per point
 /// @return one value per point; 0 for points in no triangle
-std::vector<double> point_spacing(const PointMesh& mesh, std::span<const Vec3> places);
+std::vector<float> point_spacing(const PointMesh& mesh, std::span<const Vec3> places);
 
 /// Finds the regions of the model that hold a disc of more than `hole_size` local spacings in radius without a point, and the
 /// triangles that span them. The disc lies on the model: it ends at free edges, and points on the other side of a thin wall do
