@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "libtri/shell/edit_mesh.hpp"
-#include "meshops/box_tree.hpp"
+#include "meshops/overlap_tree.hpp"
 #include "meshops/self_intersections.hpp"
 
 namespace tri {
@@ -14,17 +14,33 @@ constexpr int most_rounds = 12;
 /// Crossings are looked for again after this many flips at the latest, since flipped triangles are searched one by one.
 constexpr std::size_t most_flips_a_round = 2000;
 
+using Box = OverlapTree::Box;
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+
+/// Works on the triangles around the crossings only: a mesh of millions with a few crossings costs little more than finding them.
 class Untangler {
  public:
-  Untangler(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh) : points_(points), feet_(feet) {
+  Untangler(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh, const Pairs& pairs) : points_(points), feet_(feet) {
     edit_.triangles = std::move(mesh.triangles);
     edit_.neighbors = std::move(mesh.neighbors);
     edit_.creases.assign(edit_.triangles.size(), 0);
     edit_.vertices.resize(points.size());
     edit_.index_vertices();
+    changed_.assign(edit_.triangles.size(), false);
+    collect_zone(pairs);
   }
 
-  std::size_t round(const std::vector<std::array<std::uint32_t, 2>>& pairs, const Context& context) {
+  /// Crossing pairs among the triangles of the zone.
+  Pairs crossings(const Context& context) const {
+    std::vector<Triangle> local;
+    for (std::uint32_t t : zone_) local.push_back(edit_.triangles[t]);
+    Pairs pairs = self_intersections(points_, local, context);
+    for (auto& pair : pairs)
+      for (std::uint32_t& t : pair) t = zone_[t];
+    return pairs;
+  }
+
+  std::size_t round(const Pairs& pairs, const Context& context) {
     build_tree();
     std::vector<std::uint32_t> tangled;
     for (const auto& pair : pairs) tangled.insert(tangled.end(), pair.begin(), pair.end());
@@ -50,23 +66,41 @@ class Untangler {
     return flips;
   }
 
-  std::span<const Triangle> triangles() const { return edit_.triangles; }
-
   void give_back(PointMesh& mesh) {
     mesh.triangles = std::move(edit_.triangles);
     mesh.neighbors = std::move(edit_.neighbors);
   }
 
  private:
+  /// Every triangle that one of a crossing pair, or a flip of its edges, can meet.
+  void collect_zone(const Pairs& pairs) {
+    std::vector<Box> boxes;
+    std::vector<std::uint32_t> ids;
+    for (const auto& pair : pairs)
+      for (std::uint32_t t : pair) {
+        Box box = box_of(edit_.triangles[t]);
+        for (std::int32_t n : edit_.neighbors[t])
+          if (n >= 0) box.grow(box_of(edit_.triangles[n]));
+        ids.push_back(static_cast<std::uint32_t>(boxes.size()));
+        boxes.push_back(box);
+      }
+    const OverlapTree around(std::move(boxes), std::move(ids));
+    for (std::uint32_t t = 0; t < edit_.triangles.size(); ++t) {
+      bool near = false;
+      around.overlapping(box_of(edit_.triangles[t]), 0, [&](std::uint32_t) { near = true; });
+      if (near) zone_.push_back(t);
+    }
+  }
+
   void build_tree() {
-    std::vector<Box> boxes(edit_.triangles.size());
-    std::vector<std::uint32_t> items(edit_.triangles.size());
-    for (std::uint32_t t = 0; t < items.size(); ++t) {
-      items[t] = t;
-      boxes[t] = box_of(edit_.triangles[t]);
+    std::vector<Box> boxes(zone_.size());
+    std::vector<std::uint32_t> items(zone_.size());
+    for (std::uint32_t i = 0; i < zone_.size(); ++i) {
+      items[i] = i;
+      boxes[i] = box_of(edit_.triangles[zone_[i]]);
     }
     tree_.emplace(std::move(boxes), std::move(items));
-    changed_.assign(edit_.triangles.size(), false);
+    for (std::uint32_t t : changed_list_) changed_[t] = false;
     changed_list_.clear();
   }
 
@@ -76,7 +110,7 @@ class Untangler {
     return box;
   }
 
-  long crossings(const Triangle& q, std::int32_t skip_a, std::int32_t skip_b) const {
+  long crossings_of(const Triangle& q, std::int32_t skip_a, std::int32_t skip_b) const {
     const std::array<Vec3, 3> a{points_[q[0]], points_[q[1]], points_[q[2]]};
     const Box box = box_of(q);
     long count = 0;
@@ -87,8 +121,8 @@ class Untangler {
         if (v == r[0] || v == r[1] || v == r[2]) return;
       count += triangles_intersect(a, {points_[r[0]], points_[r[1]], points_[r[2]]});
     };
-    tree_->overlapping(box, 0, [&](std::uint32_t u) {
-      if (!changed_[u]) test(u);
+    tree_->overlapping(box, 0, [&](std::uint32_t i) {
+      if (!changed_[zone_[i]]) test(zone_[i]);
     });
     for (std::uint32_t u : changed_list_)
       if (box_of(edit_.triangles[u]).overlaps(box)) test(u);
@@ -112,15 +146,16 @@ class Untangler {
     if (a == d || edit_.has_edge(a, d)) return 0;
     const Triangle first{a, b, d}, second{a, d, c};
     if (turned(first) + turned(second) > turned(q) + turned(edit_.triangles[n])) return 0;
-    const long before = crossings(q, t, n) + crossings(edit_.triangles[n], t, n);
+    const long before = crossings_of(q, t, n) + crossings_of(edit_.triangles[n], t, n);
     if (before == 0) return 0;
-    return before - crossings(first, t, n) - crossings(second, t, n);
+    return before - crossings_of(first, t, n) - crossings_of(second, t, n);
   }
 
   std::span<const Vec3> points_;
   std::span<const Foot> feet_;
   EditMesh edit_;
-  std::optional<BoxTree> tree_;
+  std::vector<std::uint32_t> zone_;  // ascending
+  std::optional<OverlapTree> tree_;  // of positions in zone_
   std::vector<bool> changed_;
   std::vector<std::uint32_t> changed_list_;
 };
@@ -129,20 +164,25 @@ class Untangler {
 
 std::vector<std::array<std::uint32_t, 2>> untangle(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh,
                                                    const Context& context) {
-  auto pairs = self_intersections(points, mesh.triangles, context);
+  Pairs pairs = self_intersections(points, mesh.triangles, context);
   if (pairs.empty()) return pairs;
-  Untangler untangler(points, feet, mesh);
-  try {
-    for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
-      if (untangler.round(pairs, context) == 0) break;
-      pairs = self_intersections(points, untangler.triangles(), context);
+  std::size_t flips = 0;
+  {
+    Untangler untangler(points, feet, mesh, pairs);
+    try {
+      for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
+        const std::size_t now = untangler.round(pairs, context);
+        if (now == 0) break;
+        flips += now;
+        pairs = untangler.crossings(context);
+      }
+    } catch (...) {
+      untangler.give_back(mesh);
+      throw;
     }
-  } catch (...) {
     untangler.give_back(mesh);
-    throw;
   }
-  untangler.give_back(mesh);
-  return pairs;
+  return flips > 0 ? self_intersections(points, mesh.triangles, context) : pairs;
 }
 
 }  // namespace tri

@@ -13,10 +13,12 @@
 #include <numeric>
 #include <optional>
 
-#include "meshops/box_tree.hpp"
+#include "meshops/overlap_tree.hpp"
 
 namespace tri {
 namespace {
+
+using Box = OverlapTree::Box;
 
 
 int sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
@@ -175,7 +177,7 @@ class Blocks {
   std::vector<std::uint32_t> items_;
   std::vector<Triangle> corners_;
   std::array<std::vector<float>, 6> sides_;  // low x, y, z, high x, y, z
-  std::optional<BoxTree> tree_;
+  std::optional<OverlapTree> tree_;
 };
 
 }  // namespace

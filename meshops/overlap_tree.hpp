@@ -9,27 +9,27 @@
 
 namespace tri {
 
-/// An axis-aligned box; empty until it is grown.
-struct Box {
-  Vec3 lo = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity();
-  Vec3 hi = Vec3(-1, -1, -1) * std::numeric_limits<double>::infinity();
-
-  void grow(const Vec3& p) { lo.minimize(p), hi.maximize(p); }
-  void grow(const Box& b) { lo.minimize(b.lo), hi.maximize(b.hi); }
-  bool overlaps(const Box& b) const {
-    for (int k = 0; k < 3; ++k)
-      if (lo[k] > b.hi[k] || b.lo[k] > hi[k]) return false;
-    return true;
-  }
-};
-
 /// A hierarchy of boxes, halved at the median of the longest side down to leaves of four: which boxes overlap a given one.
 /// Queries may come from any thread.
-class BoxTree {
+class OverlapTree {
  public:
+  /// An axis-aligned box; empty until it is grown.
+  struct Box {
+    Vec3 lo = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity();
+    Vec3 hi = Vec3(-1, -1, -1) * std::numeric_limits<double>::infinity();
+
+    void grow(const Vec3& p) { lo.minimize(p), hi.maximize(p); }
+    void grow(const Box& b) { lo.minimize(b.lo), hi.maximize(b.hi); }
+    bool overlaps(const Box& b) const {
+      for (int k = 0; k < 3; ++k)
+        if (lo[k] > b.hi[k] || b.lo[k] > hi[k]) return false;
+      return true;
+    }
+  };
+
   /// @param boxes  one per item; those that are not listed may be empty
   /// @param items  indices of the boxes that take part
-  BoxTree(std::vector<Box> boxes, std::vector<std::uint32_t> items);
+  OverlapTree(std::vector<Box> boxes, std::vector<std::uint32_t> items);
 
   const std::vector<std::uint32_t>& items() const { return order_; }
   const Box& box(std::uint32_t item) const { return boxes_[item]; }

@@ -1,13 +1,13 @@
-#include "meshops/box_tree.hpp"
+#include "meshops/overlap_tree.hpp"
 
 namespace tri {
 
-BoxTree::BoxTree(std::vector<Box> boxes, std::vector<std::uint32_t> items) : order_(std::move(items)), boxes_(std::move(boxes)) {
+OverlapTree::OverlapTree(std::vector<Box> boxes, std::vector<std::uint32_t> items) : order_(std::move(items)), boxes_(std::move(boxes)) {
   nodes_.reserve(order_.size());
   if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
 }
 
-std::uint32_t BoxTree::build(std::uint32_t first, std::uint32_t end) {
+std::uint32_t OverlapTree::build(std::uint32_t first, std::uint32_t end) {
   const auto id = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
   Box box;
