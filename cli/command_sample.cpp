@@ -46,9 +46,11 @@ int run(const Arguments& a, Program& program) {
   const VirtualMeasurement m = measure(cad.shape, a.options, context);
   if (!program.quiet)
     for (const int face : m.unusable_faces) print_note(fmt::format("face {} cannot be sampled and holds no point", face));
-  if (!a.truth.empty()) write_truth(a.truth, m, context);
+  context.checkpoint();
+  Context uncancelled;  // an interrupt between two files would leave half of the result
+  if (!a.truth.empty()) write_truth(a.truth, m, uncancelled);
   if (!a.pose.empty()) write_json(a.pose, pose_json(m));
-  write_points(a.output, {m.points, {}}, context);
+  write_points(a.output, {m.points, {}}, uncancelled);
   if (a.json) {
     nlohmann::ordered_json json{{"points_file", a.output}, {"truth_file", nullptr},       {"pose_file", nullptr},
                                 {"points", m.points.size()}, {"spacing", m.spacing},      {"line_spacing", m.line_spacing},

@@ -57,7 +57,8 @@ CadModel read_model(const Arguments& a, Program& program) {
 }
 
 void write(const std::string& path, Mesh& mesh, const Arguments& a, Program& program) {
-  const MeshWriteReport written = write_mesh(path, to_soup(view_of(mesh)), {.ascii = a.ascii}, program.context);
+  Context uncancelled;  // an interrupt between two files would leave half of the result
+  const MeshWriteReport written = write_mesh(path, to_soup(view_of(mesh)), {.ascii = a.ascii}, uncancelled);
   if (program.quiet) return;
   for (const std::string& note : written.notes) print_note(path + ": " + note);
 }
@@ -71,7 +72,7 @@ int run(const Arguments& a, Program& program) {
   if (a.units != 1)
     for (Vec3& p : set.points) p *= a.units;
   TriangulateResult result = triangulate(model, set.points, options_of(a), context);
-  context.checkpoint();  // from here on the files are written one after another
+  context.checkpoint();
 
   const auto report = triangulate_report(result, model, set.points.size(), options_json(a));
   if (result.patches) write(a.patches, *result.patches, a, program);
