@@ -116,6 +116,13 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
     triangulated.notes.push_back(fmt::format("face {} could not be triangulated: its trimming loops cross or touch",
                                              model.faces[static_cast<std::size_t>(f)].index));
 
+  if (options.keep_patches) {
+    measure_vertex_areas(assembled.separate);
+    step("separate-patches").vertices_removed = remove_model_vertices(assembled.separate, context).removed;
+    result.patches = measured_part(assembled.separate, feet, true);
+    assembled.separate = {};
+  }
+
   // Seams and poles first: contour vertices count as points for that long.
   constexpr std::int32_t pinned = std::numeric_limits<std::int32_t>::max();
   for (std::size_t k = 0; k < assembled.on_contour.size(); ++k)
@@ -129,7 +136,6 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
     if (removal.kept > 0) report.skipped["removal would change the topology"] = removal.kept;
   };
   remove("close-seams");
-  if (options.keep_patches) result.patches = measured_part(mesh, feet, true);
   for (EditMesh::Vertex& v : mesh.vertices)
     if (v.point == pinned) v.point = -1;
   remove("stitch-patches");

@@ -304,7 +304,8 @@ class Assembler {
     for (const FaceDomain& domain : domains_) result_.uniform_faces.push_back(domain.uniform);
     for (std::size_t f = 0; f < n_faces(); ++f)
       if (patches_[f].triangles.empty()) result_.failed_faces.push_back(static_cast<int>(f));
-    result_.mesh = glue_patches(model_, patches_, sizes, std::move(vertices), on_chain);
+    if (options_.keep_patches) result_.separate = glue_patches(model_, patches_, sizes, vertices, on_chain, false);
+    result_.mesh = glue_patches(model_, patches_, sizes, std::move(vertices), on_chain, true);
   }
 
   const CadModel& model_;

@@ -18,6 +18,7 @@ struct AssembledPatches {
   /// The points, in their order, then the auxiliary vertices. Positions are feet. Points without a foot are in no
   /// triangle.
   EditMesh mesh;
+  EditMesh separate;  ///< the same with no face joined to another, if asked for
   /// Per auxiliary vertex: whether it lies on an edge between two faces or on a free edge, rather than inside a face or
   /// on its seam.
   std::vector<std::uint8_t> on_contour;

@@ -193,9 +193,11 @@ void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chai
 
 EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patches,
                       const std::vector<std::size_t>& chain_sizes, std::vector<EditMesh::Vertex> vertices,
-                      const std::vector<std::uint8_t>& on_chain) {
+                      const std::vector<std::uint8_t>& on_chain, bool join_faces) {
   EditMesh mesh;
   mesh.vertices = std::move(vertices);
+  std::vector<std::int32_t> first;  // triangle of each face
+  const auto face_of = [&](std::int32_t t) { return std::upper_bound(first.begin(), first.end(), t) - first.begin(); };
   std::size_t total = 0;
   for (const FacePatch& patch : patches) total += patch.triangles.size();
   mesh.triangles.reserve(total);
@@ -204,6 +206,7 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
   for (std::size_t f = 0; f < patches.size(); ++f) {
     const FacePatch& patch = patches[f];
     const auto base = static_cast<std::int32_t>(mesh.triangles.size());
+    first.push_back(base);
     const bool turned = model.faces[f].reversed;
     for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
       Triangle t = patch.triangles[i];
@@ -230,6 +233,7 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
       if (pair.size() != 2) continue;
       const auto [t, k] = pair[0];
       const auto [u, j] = pair[1];
+      if (!join_faces && face_of(t) != face_of(u)) continue;
       const Triangle &a = mesh.triangles[static_cast<std::size_t>(t)], &b = mesh.triangles[static_cast<std::size_t>(u)];
       if (a[(k + 1) % 3] != b[(j + 2) % 3] || a[(k + 2) % 3] != b[(j + 1) % 3]) continue;
       mesh.neighbors[static_cast<std::size_t>(t)][k] = u;

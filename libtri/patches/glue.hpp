@@ -17,9 +17,10 @@ namespace tri {
 /// that stands for no measured point; where two edges join the same two vertices, one is split by a new vertex. Shared
 /// edges of the model are creases of the mesh.
 /// @param vertices  of the mesh; those that no triangle uses keep `vertex_triangle` -1
+/// @param join_faces  false: faces are joined to themselves only, along their seams
 /// @param on_chain  per vertex: whether it may be on the chain of an edge
 EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patches,
                       const std::vector<std::size_t>& chain_sizes, std::vector<EditMesh::Vertex> vertices,
-                      const std::vector<std::uint8_t>& on_chain);
+                      const std::vector<std::uint8_t>& on_chain, bool join_faces);
 
 }  // namespace tri
