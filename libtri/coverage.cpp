@@ -273,7 +273,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
     if (h > 0) finest = std::min(finest, h);
     widest_spacing = std::max(widest_spacing, h);
   }
-  EmptyDiscs empty(model, feet, probe_feet, 64 * hole_size * widest_spacing, std::max(0.25 * finest, 0.01 * widest_spacing));
+  EmptyDiscs empty(model, feet, probe_feet, 4 * hole_size * widest_spacing, std::max(0.25 * finest, 0.01 * widest_spacing));
   std::vector<Disc> discs;
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Foot& foot = probe_feet[i];
