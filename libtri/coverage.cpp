@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -48,11 +49,22 @@ struct Stars {
   std::span<const std::uint32_t> of(std::uint32_t v) const { return {items.data() + start[v], items.data() + start[v + 1]}; }
 };
 
-float lower_median(std::vector<float>& x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>((x.size() - 1) / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
+/// A few values on the stack; of a fan with more, those that come first.
+class Few {
+ public:
+  void add(float x) {
+    if (size_ == values_.size()) return;
+    std::size_t i = size_++;
+    for (; i > 0 && values_[i - 1] > x; --i) values_[i] = values_[i - 1];
+    values_[i] = x;
+  }
+  bool empty() const { return size_ == 0; }
+  float lower_median() const { return values_[(size_ - 1) / 2]; }
+
+ private:
+  std::array<float, 24> values_;
+  std::size_t size_ = 0;
+};
 
 std::vector<Shape3> shapes_of(const PointMesh& mesh, std::span<const Vec3> places) {
   std::vector<Shape3> shapes(mesh.triangles.size());
@@ -70,23 +82,23 @@ std::vector<float> spacing_from(const PointMesh& mesh, const std::vector<Shape3>
   const std::size_t vertices = stars.start.size() - 1;
   std::vector<float> first(vertices, 0), result(vertices, 0);
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(vertices), 4096), [&](const auto& range) {
-    std::vector<float> radii, ratios;
     for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
-      radii.clear(), ratios.clear();
+      Few radii, ratios;
       for (std::uint32_t t : stars.of(v)) {
-        radii.push_back(shapes[t].circumradius);
-        ratios.push_back(shapes[t].circumradius > 0 ? shapes[t].shortest / shapes[t].circumradius : 1);
+        radii.add(shapes[t].circumradius);
+        ratios.add(shapes[t].circumradius > 0 ? shapes[t].shortest / shapes[t].circumradius : 1);
       }
-      if (!radii.empty()) first[v] = lower_median(radii) * (lower_median(ratios) < elongated ? lines : scattered);
+      if (!radii.empty()) first[v] = radii.lower_median() * (ratios.lower_median() < elongated ? lines : scattered);
     }
   });
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(vertices), 4096), [&](const auto& range) {
-    std::vector<float> around;
     for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
-      around.clear();
-      for (std::uint32_t t : stars.of(v))
-        for (std::uint32_t w : mesh.triangles[t]) around.push_back(first[w]);
-      if (!around.empty()) result[v] = lower_median(around);
+      Few around;
+      for (std::uint32_t t : stars.of(v)) {
+        const Triangle& q = mesh.triangles[t];
+        around.add(first[q[0] == v ? q[1] : q[1] == v ? q[2] : q[0]]);
+      }
+      if (!around.empty()) result[v] = around.lower_median();
     }
   });
   return result;
@@ -117,7 +129,7 @@ class EmptyDiscs {
       return at(0, dx) << 42 | at(1, dy) << 21 | at(2, dz);
     };
     // Few probes, as on a part that was measured everywhere, need few points; a tree over all would cost more than all else.
-    const bool few = probes.size() < feet.size() / 64;
+    const bool few = probes.size() < feet.size() / 16;
     if (few)
       for (const Foot& probe : probes)
         for (int i = 0; i < 27; ++i) cells.insert(cell(probe.point, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
@@ -257,7 +269,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
     const Shape3& s = shapes[t];
     const double h = triangle_spacing(q);
     if (s.circumradius < 0.9 * hole_size * h) continue;
-    const int n = std::clamp(static_cast<int>(std::ceil(s.longest / std::max(h, 1e-300))), 3, 24);
+    const int n = std::clamp(static_cast<int>(std::ceil(s.longest / std::max(h, 1e-300))), 3, 12);
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) {
         probes.push_back((a * i + b * j + c * (n - i - j)) / n);
