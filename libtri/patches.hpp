@@ -26,7 +26,9 @@ struct PatchesOptions {
 
 struct PatchConnection {
   PointMesh mesh;
-  PointMesh patches;  ///< before stitching: one patch per face, of triangles whose corners all lie on that face
+  /// Before stitching: one patch per face, of triangles whose corners all lie on that face. Made from the faces before
+  /// they are joined, so it is not a part of `mesh`; faces with fewer than three points have none.
+  PointMesh patches;
   std::vector<Report> reports;  ///< one per step, in order
   /// (duplicate, kept): points at the very position of another, which are in no triangle.
   std::vector<std::array<std::uint32_t, 2>> duplicates;
@@ -43,8 +45,8 @@ struct PatchConnection {
 /// lies beyond them goes, which is the third criterion of (e) made exact. Two faces share the chain of a common edge; a
 /// closed face shares its seam with itself; a pole is one vertex. So the whole has the topology of the model before any
 /// distance is looked at. (d) Triangles name points, so the connectivity is lifted to the measured positions. (f) Each
-/// auxiliary vertex goes by the best triangulation of the polygon around it: first those on seams and poles, which
-/// leaves the patches, then those on shared edges, which closes the gaps between the contours and the corners where
+/// auxiliary vertex goes by the best triangulation of the polygon around it: first those on seams and poles, then
+/// those on shared edges, which closes the gaps between the contours and the corners where
 /// several faces meet; at free edges the mesh recedes to the outermost points. A triangulation that would change the
 /// topology is never taken, so faces with few points or none come out joined. (g) Diagonals are flipped while that
 /// lowers the sum of area, misfit to the model's normals and shape.
