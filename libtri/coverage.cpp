@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
@@ -75,34 +77,64 @@ std::vector<Shape3> shapes_of(const PointMesh& mesh, std::span<const Vec3> place
   return shapes;
 }
 
-std::vector<float> spacing_from(const PointMesh& mesh, const std::vector<Shape3>& shapes, const Stars& stars) {
-  // Between scan lines the circle through three points spans the distance of the lines; on scattered points it is smaller
-  // than the spacing, by 0.6 in the median of a Poisson process.
-  constexpr float scattered = 1.5f, lines = 2.0f, elongated = 0.3f;
-  const std::size_t vertices = stars.start.size() - 1;
-  std::vector<float> first(vertices, 0), result(vertices, 0);
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(vertices), 4096), [&](const auto& range) {
-    for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
-      Few radii, ratios;
-      for (std::uint32_t t : stars.of(v)) {
-        radii.add(shapes[t].circumradius);
-        ratios.add(shapes[t].circumradius > 0 ? shapes[t].shortest / shapes[t].circumradius : 1);
+/// The spacing of points from the circumcircles around them.
+class Spacing {
+ public:
+  Spacing(const PointMesh& mesh, const std::vector<Shape3>& shapes, const Stars& stars)
+      : mesh_(mesh), stars_(stars), own_(stars.start.size() - 1, 0), lowest_(own_.size(), 0), around_(own_.size(), -1), seen_(own_.size(), 0) {
+    // Between scan lines the circle through three points spans the distance of the lines; on scattered points it is
+    // smaller than the spacing, by 0.6 in the median of a Poisson process.
+    constexpr float scattered = 1.5f, lines = 2.0f, elongated = 0.3f;
+    const tbb::blocked_range<std::uint32_t> all(0, static_cast<std::uint32_t>(own_.size()), 4096);
+    tbb::parallel_for(all, [&](const auto& range) {
+      for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
+        Few radii, ratios;
+        for (std::uint32_t t : stars.of(v)) {
+          radii.add(shapes[t].circumradius);
+          ratios.add(shapes[t].circumradius > 0 ? shapes[t].shortest / shapes[t].circumradius : 1);
+        }
+        if (!radii.empty()) own_[v] = radii.lower_median() * (ratios.lower_median() < elongated ? lines : scattered);
       }
-      if (!radii.empty()) first[v] = radii.lower_median() * (ratios.lower_median() < elongated ? lines : scattered);
-    }
-  });
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(vertices), 4096), [&](const auto& range) {
-    for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
-      Few around;
-      for (std::uint32_t t : stars.of(v)) {
-        const Triangle& q = mesh.triangles[t];
-        around.add(first[q[0] == v ? q[1] : q[1] == v ? q[2] : q[0]]);
+    });
+    tbb::parallel_for(all, [&](const auto& range) {
+      for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
+        lowest_[v] = own_[v];
+        for (std::uint32_t t : stars.of(v))
+          for (std::uint32_t w : mesh.triangles[t]) lowest_[v] = std::min(lowest_[v], own_[w]);
       }
-      if (!around.empty()) result[v] = around.lower_median();
-    }
-  });
-  return result;
-}
+    });
+  }
+
+  /// A cheap value that hardly ever is above `at(t)`.
+  float lowest(const Triangle& t) const { return std::min({lowest_[t[0]], lowest_[t[1]], lowest_[t[2]]}); }
+
+  /// The median over the nearest vertices along edges. They reach beyond those around a gap, whose own circles span it.
+  float at(std::uint32_t v) {
+    constexpr std::size_t enough = 40;
+    if (around_[v] >= 0) return around_[v];
+    if (stars_.of(v).empty()) return around_[v] = 0;
+    ++round_;
+    queue_.assign(1, v);
+    seen_[v] = round_;
+    for (std::size_t i = 0; i < queue_.size() && queue_.size() < enough; ++i)
+      for (std::uint32_t t : stars_.of(queue_[i]))
+        for (std::uint32_t w : mesh_.triangles[t])
+          if (seen_[w] != round_) seen_[w] = round_, queue_.push_back(w);
+    values_.clear();
+    for (std::uint32_t w : queue_) values_.push_back(own_[w]);
+    const auto middle = values_.begin() + static_cast<std::ptrdiff_t>((values_.size() - 1) / 2);
+    std::nth_element(values_.begin(), middle, values_.end());
+    return around_[v] = *middle;
+  }
+  float at(const Triangle& t) { return std::max({at(t[0]), at(t[1]), at(t[2])}); }
+
+ private:
+  const PointMesh& mesh_;
+  const Stars& stars_;
+  std::vector<float> own_, lowest_, around_, values_;
+  std::vector<std::uint32_t> seen_, queue_;
+  std::uint32_t round_ = 0;
+};
 
 /// A place on the model and how far it is to the nearest point or free edge.
 struct Disc {
@@ -113,28 +145,26 @@ struct Disc {
   std::int32_t face = -1;
 };
 
-bool same_side(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > 0.3f;
-}
+double cosine(const std::array<float, 3>& a, const std::array<float, 3>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Distance from places on the model to the nearest measured point on the same side of the wall, and to free edges.
+bool same_side(const std::array<float, 3>& a, const std::array<float, 3>& b) { return cosine(a, b) > 0.3; }
+
+/// Distance from places on the model to the nearest measured point that does not face the other way, and to free edges.
 class EmptyDiscs {
  public:
-  /// @param reach  mm: points farther than this from every one of `probes` are not needed to tell an empty disc
+  /// @param reach  mm: points farther than this from every one of `probes` are only looked at where nothing else is found
   EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::span<const Foot> probes, double reach, double step)
-      : feet_(feet), reach_(reach) {
-    std::unordered_set<std::uint64_t> cells;
+      : feet_(feet), reach_(reach), farthest_(model.diagonal), few_(probes.size() < feet.size() / 16) {
+    std::unordered_set<std::uint64_t> near_probes;
     const auto cell = [&](const Vec3& p, int dx, int dy, int dz) {
       const auto at = [&](int k, int d) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p[k] / reach)) + d) & 0x1fffff; };
       return at(0, dx) << 42 | at(1, dy) << 21 | at(2, dz);
     };
-    // Few probes, as on a part that was measured everywhere, need few points; a tree over all would cost more than all else.
-    const bool few = probes.size() < feet.size() / 16;
-    if (few)
+    // Few probes, as on a part that was measured everywhere, need few points; trees over all would cost more than all else.
+    if (few_)
       for (const Foot& probe : probes)
-        for (int i = 0; i < 27; ++i) cells.insert(cell(probe.point, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-    for (std::uint32_t i = 0; i < feet.size(); ++i)
-      if (feet[i].face >= 0 && (!few || cells.contains(cell(feet[i].point, 0, 0, 0)))) places_.push_back(feet[i].point), index_.push_back(i);
+        for (int i = 0; i < 27; ++i) near_probes.insert(cell(probe.point, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+    fill_bins([&](const Foot& foot) { return !few_ || near_probes.contains(cell(foot.point, 0, 0, 0)); });
     for (const CadEdge& edge : model.edges)
       if (edge.faces.size() == 1 && !edge.degenerate)
         for (std::size_t k = 0; k + 1 < edge.polyline.size(); ++k) {
@@ -142,35 +172,99 @@ class EmptyDiscs {
           const int n = std::clamp(static_cast<int>(std::ceil(d.norm() / step)), 1, 10000);
           for (int i = 0; i <= n; ++i) rim_.push_back(edge.polyline[k] + d * (static_cast<double>(i) / n));
         }
-    points_.emplace(places_);
     if (!rim_.empty()) rim_tree_.emplace(rim_);
   }
 
   double radius(const Foot& at) {
-    double nearest = infinity;
-    for (std::size_t k = 8;; k *= 8) {
-      points_->nearest(at.point, k, found_);
-      for (const auto& n : found_)
-        if (same_side(feet_[index_[n.index]].normal, at.normal)) {
-          nearest = std::sqrt(n.squared_distance);
-          break;
-        }
-      if (nearest < infinity || found_.size() < k || k > 4096) break;
-    }
-    if (nearest == infinity) nearest = found_.empty() ? reach_ : std::sqrt(found_.back().squared_distance);
+    double nearest = farthest_;
     if (rim_tree_) {
       rim_tree_->nearest(at.point, 1, found_);
       nearest = std::min(nearest, std::sqrt(found_[0].squared_distance));
     }
-    return nearest;
+    const double found = nearest_point(at, nearest);
+    if (!few_ || found <= reach_) return found;
+    few_ = false;
+    fill_bins([](const Foot&) { return true; });
+    return nearest_point(at, nearest);
   }
 
  private:
+  static constexpr double other_way = 1.9;  // radians: normals farther apart are those of two sides of a wall
+
+  struct Bin {  // of points with similar normals
+    std::vector<Vec3> places;
+    std::vector<std::array<float, 3>> normals;
+    std::array<float, 3> middle{};
+    double spread = 0;  // radians, of the normals about the middle
+    std::optional<NearestPoints> tree;
+
+    void clear() {
+      tree.reset();
+      places.clear();
+      normals.clear();
+      spread = 0;
+    }
+    void finish() {
+      if (places.empty()) return;
+      Vec3 sum(0, 0, 0);
+      for (const auto& n : normals) sum += Vec3(n[0], n[1], n[2]);
+      if (sum.norm() > 0) sum /= sum.norm();
+      for (int k = 0; k < 3; ++k) middle[k] = static_cast<float>(sum[k]);
+      for (const auto& n : normals) spread = std::max(spread, std::acos(std::clamp(cosine(n, middle), -1.0, 1.0)));
+      tree.emplace(places);
+    }
+  };
+  static constexpr int cells = 3;  // along each side of a cube around the directions
+
+  static std::size_t bin_of(const std::array<float, 3>& n) {
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+      if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
+    const auto cell = [&](int k) {
+      return n[axis] == 0 ? 0 : std::clamp(static_cast<int>((n[k] / std::abs(n[axis]) + 1) * 0.5f * cells), 0, cells - 1);
+    };
+    return static_cast<std::size_t>(((2 * axis + (n[axis] < 0)) * cells + cell((axis + 1) % 3)) * cells + cell((axis + 2) % 3));
+  }
+
+  template <class Wanted>
+  void fill_bins(Wanted wanted) {
+    for (Bin& bin : bins_) bin.clear();
+    for (const Foot& foot : feet_) {
+      if (foot.face < 0 || !wanted(foot)) continue;
+      Bin& bin = bins_[bin_of(foot.normal)];
+      bin.places.push_back(foot.point);
+      bin.normals.push_back(foot.normal);
+    }
+    for (Bin& bin : bins_) bin.finish();
+  }
+
+  /// @return the distance to the nearest point that counts, at most `nearest`
+  double nearest_point(const Foot& at, double nearest) {
+    // Bins of which every point counts come first: they bound the search in those of which only some do.
+    for (const bool whole : {true, false})
+      for (const Bin& bin : bins_) {
+        if (bin.places.empty()) continue;
+        const double angle = std::acos(std::clamp(cosine(at.normal, bin.middle), -1.0, 1.0));
+        if (angle - bin.spread > other_way || whole != (angle + bin.spread < other_way)) continue;
+        for (std::size_t k = whole ? 1 : 8;; k *= 8) {
+          bin.tree->nearest(at.point, k, found_);
+          const auto counts = std::find_if(found_.begin(), found_.end(), [&](const NearestPoints::Neighbor& n) {
+            return whole || n.squared_distance >= nearest * nearest || cosine(bin.normals[n.index], at.normal) > std::cos(other_way);
+          });
+          if (counts != found_.end()) nearest = std::min(nearest, std::sqrt(counts->squared_distance));
+          if (counts != found_.end() || found_.size() < k) break;
+        }
+      }
+    return nearest;
+  }
+
   std::span<const Foot> feet_;
   double reach_;
-  std::vector<Vec3> places_, rim_;
-  std::vector<std::uint32_t> index_;  // of the point at each place
-  std::optional<NearestPoints> points_, rim_tree_;
+  double farthest_;
+  bool few_;
+  std::array<Bin, 6 * cells * cells> bins_;
+  std::vector<Vec3> rim_;
+  std::optional<NearestPoints> rim_tree_;
   std::vector<NearestPoints::Neighbor> found_;
 };
 
@@ -246,7 +340,11 @@ void keep_manifold(const PointMesh& mesh, const Stars& stars, std::vector<bool>&
 }  // namespace
 
 std::vector<float> point_spacing(const PointMesh& mesh, std::span<const Vec3> places) {
-  return spacing_from(mesh, shapes_of(mesh, places), Stars(mesh.triangles, places.size()));
+  const Stars stars(mesh.triangles, places.size());
+  Spacing spacing(mesh, shapes_of(mesh, places), stars);
+  std::vector<float> result;
+  for (std::uint32_t v = 0; v < places.size(); ++v) result.push_back(spacing.at(v));
+  return result;
 }
 
 Coverage find_unmeasured(const CadModel& model, const Registration& registration, const PointMesh& mesh, std::span<const Foot> feet,
@@ -257,8 +355,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   for (const Foot& f : feet) places.push_back(f.point);
   const Stars stars(mesh.triangles, places.size());
   const std::vector<Shape3> shapes = shapes_of(mesh, places);
-  const std::vector<float> spacing = spacing_from(mesh, shapes, stars);
-  const auto triangle_spacing = [&](const Triangle& q) { return static_cast<double>(std::max({spacing[q[0]], spacing[q[1]], spacing[q[2]]})); };
+  Spacing spacing(mesh, shapes, stars);
 
   // Only a triangle with a large circumcircle can hold the middle of a large empty disc: probe those.
   std::vector<Vec3> probes;
@@ -267,7 +364,8 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
     const Triangle& q = mesh.triangles[t];
     const Vec3 &a = places[q[0]], &b = places[q[1]], &c = places[q[2]];
     const Shape3& s = shapes[t];
-    const double h = triangle_spacing(q);
+    if (s.circumradius < 0.9 * hole_size * spacing.lowest(q)) continue;
+    const double h = spacing.at(q);
     if (s.circumradius < 0.9 * hole_size * h) continue;
     const int n = std::clamp(static_cast<int>(std::ceil(s.longest / std::max(h, 1e-300))), 3, 12);
     for (int i = 0; i <= n; ++i)
@@ -281,7 +379,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   const std::vector<Foot> probe_feet = registration.register_points(probes, context);
   double finest = infinity, widest_spacing = 0;
   for (std::uint32_t t : probe_triangle) {
-    const double h = triangle_spacing(mesh.triangles[t]);
+    const double h = spacing.at(mesh.triangles[t]);
     if (h > 0) finest = std::min(finest, h);
     widest_spacing = std::max(widest_spacing, h);
   }
@@ -290,7 +388,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Foot& foot = probe_feet[i];
     if (foot.face < 0) continue;
-    const double h = triangle_spacing(mesh.triangles[probe_triangle[i]]);
+    const double h = spacing.at(mesh.triangles[probe_triangle[i]]);
     const double radius = empty.radius(foot);
     if (radius > hole_size * h) discs.push_back({foot.point, foot.normal, radius, h, probe_triangle[i], foot.face});
   }
@@ -309,7 +407,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   std::vector<NearestPoints::Neighbor> near;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& q = mesh.triangles[t];
-    if (open[t] || shapes[t].longest < triangle_spacing(q)) continue;
+    if (open[t] || shapes[t].longest < spacing.lowest(q) || shapes[t].longest < spacing.at(q)) continue;
     const Vec3 middle = (places[q[0]] + places[q[1]] + places[q[2]]) / 3;
     center_tree.nearest(middle, 1, near);
     if (near[0].squared_distance > widest * widest) continue;
