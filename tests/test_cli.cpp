@@ -13,6 +13,7 @@
 
 using namespace tri::test;
 using nlohmann::json;
+using namespace std::string_literals;
 
 namespace {
 
@@ -126,7 +127,7 @@ TEST_CASE("tri: an input that no reader accepts is refused with 3 and leaves no 
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "folder.stl");
   folder.make("empty.stl", "");
-  folder.make("garbage.stl", std::string("\x01\x02\xff\xfe garbage \x00 \x80", 18));
+  folder.make("garbage.stl", "\x01\x02\xff\xfe garbage \x00 \x80"s);
   folder.make("garbage.ply", std::string(5000, '\xee'));
   folder.make("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n");
   folder.make("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
