@@ -36,6 +36,7 @@ int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const double det = determinant<double>(a, b, c, d);
   double largest[3] = {0, 0, 0};
   for (int k = 0; k < 3; ++k) largest[k] = std::max({std::abs(a[k] - d[k]), std::abs(b[k] - d[k]), std::abs(c[k] - d[k])});
+  if (largest[0] == 0 || largest[1] == 0 || largest[2] == 0) return 0;  // in one plane across an axis
   // Shewchuk's static bound for the permanent: 7 eps times six products, each below the product of the extents.
   const double bound = 6 * 8e-16 * largest[0] * largest[1] * largest[2];
   if (det > bound || det < -bound) return sign(det);
