@@ -268,6 +268,47 @@ class EmptyDiscs {
   std::vector<NearestPoints::Neighbor> found_;
 };
 
+std::array<float, 3> facing(const Triangle& q, std::span<const Vec3> places) {
+  const Vec3 n = (places[q[1]] - places[q[0]]) % (places[q[2]] - places[q[0]]);
+  const double length = n.norm();
+  std::array<float, 3> result{};
+  if (length > 0)
+    for (int k = 0; k < 3; ++k) result[k] = static_cast<float>(n[k] / length);
+  return result;
+}
+
+bool opposed(const std::array<float, 3>& a, const std::array<float, 3>& b) { return cosine(a, b) < -0.3; }
+
+/// Where a whole side of the part was not measured, the triangles that stand for it lie along the other side: their probes are sent
+/// on, the way the triangles face, until they meet a place of the model that faces so too.
+/// @return whether any was
+bool send_through(const PointMesh& mesh, std::span<const Vec3> places, double diagonal, double step, std::span<const Vec3> probes,
+                  std::span<const std::uint32_t> probe_triangle, const Registration& registration, std::vector<Foot>& feet, Context& context) {
+  std::vector<std::uint32_t> waiting;
+  for (std::uint32_t i = 0; i < probes.size(); ++i)
+    if (feet[i].face >= 0 && opposed(feet[i].normal, facing(mesh.triangles[probe_triangle[i]], places))) waiting.push_back(i);
+  bool any = false;
+  for (double s = std::max(step, 1e-4 * diagonal); s < diagonal && !waiting.empty(); s *= 1.5) {
+    std::vector<Vec3> ahead;
+    for (std::uint32_t i : waiting) {
+      const auto n = facing(mesh.triangles[probe_triangle[i]], places);
+      ahead.push_back(probes[i] + Vec3(n[0], n[1], n[2]) * s);
+    }
+    const std::vector<Foot> met = registration.register_points(ahead, context);
+    std::vector<std::uint32_t> still;
+    for (std::size_t k = 0; k < waiting.size(); ++k) {
+      if (met[k].face >= 0 && same_side(met[k].normal, facing(mesh.triangles[probe_triangle[waiting[k]]], places))) {
+        feet[waiting[k]] = met[k];
+        any = true;
+      } else {
+        still.push_back(waiting[k]);
+      }
+    }
+    waiting = std::move(still);
+  }
+  return any;
+}
+
 /// Closes triangles again until the open ones leave no vertex without a triangle and no vertex with two fans.
 void keep_manifold(const PointMesh& mesh, const Stars& stars, std::vector<bool>& open, const std::vector<float>& size) {
   std::set<std::uint32_t> work;
@@ -376,13 +417,14 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   }
   context.checkpoint();
   if (probes.empty()) return result;
-  const std::vector<Foot> probe_feet = registration.register_points(probes, context);
+  std::vector<Foot> probe_feet = registration.register_points(probes, context);
   double finest = infinity, widest_spacing = 0;
   for (std::uint32_t t : probe_triangle) {
     const double h = spacing.at(mesh.triangles[t]);
     if (h > 0) finest = std::min(finest, h);
     widest_spacing = std::max(widest_spacing, h);
   }
+  const bool sides_missing = send_through(mesh, places, model.diagonal, finest < infinity ? finest : 0, probes, probe_triangle, registration, probe_feet, context);
   EmptyDiscs empty(model, feet, probe_feet, 4 * hole_size * widest_spacing, std::max(0.25 * finest, 0.01 * widest_spacing));
   std::vector<Disc> discs;
   for (std::size_t i = 0; i < probes.size(); ++i) {
@@ -404,22 +446,30 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   const NearestPoints center_tree(centers);
   std::vector<Vec3> middles;
   std::vector<std::uint32_t> middle_triangle;
+  std::vector<bool> small_middle;  // such triangles are open only if they stand for another side than the one they lie on
   std::vector<NearestPoints::Neighbor> near;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& q = mesh.triangles[t];
-    if (open[t] || shapes[t].longest < spacing.lowest(q) || shapes[t].longest < spacing.at(q)) continue;
+    if (open[t]) continue;
+    const bool small = shapes[t].longest < spacing.lowest(q) || shapes[t].longest < spacing.at(q);
+    if (small && !sides_missing) continue;
     const Vec3 middle = (places[q[0]] + places[q[1]] + places[q[2]]) / 3;
     center_tree.nearest(middle, 1, near);
     if (near[0].squared_distance > widest * widest) continue;
     middles.push_back(middle);
     middle_triangle.push_back(t);
+    small_middle.push_back(small);
   }
   const std::vector<Foot> middle_feet = registration.register_points(middles, context);
   for (std::size_t i = 0; i < middles.size(); ++i) {
+    const auto own = facing(mesh.triangles[middle_triangle[i]], places);
+    const bool through = opposed(middle_feet[i].normal, own);
+    if (small_middle[i] && !through) continue;
     center_tree.within(middle_feet[i].point, widest, near);
     for (const auto& n : near) {
       const Disc& d = discs[n.index];
-      if (n.squared_distance < 0.9 * d.radius * d.radius && same_side(d.normal, middle_feet[i].normal)) open[middle_triangle[i]] = true;
+      if (n.squared_distance < 0.9 * d.radius * d.radius && same_side(d.normal, through ? own : middle_feet[i].normal))
+        open[middle_triangle[i]] = true;
     }
   }
   std::vector<float> size(mesh.triangles.size(), 0);
