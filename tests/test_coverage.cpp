@@ -1,4 +1,6 @@
-#include "libtri/coverage.hpp"  // first: OpenMesh does not compile after OpenCASCADE
+// clang-format off: OpenMesh does not compile after OpenCASCADE
+#include "libtri/coverage.hpp"
+// clang-format on
 
 #include <doctest/doctest.h>
 
@@ -34,8 +36,7 @@ struct Sampling {
   double line_ratio;
   std::string name;
 };
-const Sampling samplings[] = {{SamplingPattern::random, 4000, 10, "random"},
-                                  {SamplingPattern::scan, 12000, 5, "scan"}};
+const Sampling samplings[] = {{SamplingPattern::random, 4000, 10, "random"}, {SamplingPattern::scan, 12000, 5, "scan"}};
 
 // A shape, and places on it away from its rims, where gaps may be planted.
 struct Ground {
