@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -40,7 +39,8 @@ Shape3 shape_of(const Vec3& a, const Vec3& b, const Vec3& c) {
 /// Triangles around each vertex, as one array with offsets.
 struct Stars {
   std::vector<std::uint32_t> start, items;
-  Stars(const std::vector<Triangle>& triangles, std::size_t vertices) : start(vertices + 1, 0), items(3 * triangles.size()) {
+  Stars(const std::vector<Triangle>& triangles, std::size_t vertices)
+      : start(vertices + 1, 0), items(3 * triangles.size()) {
     for (const Triangle& t : triangles)
       for (std::uint32_t v : t) ++start[v + 1];
     for (std::size_t v = 0; v < vertices; ++v) start[v + 1] += start[v];
@@ -48,7 +48,9 @@ struct Stars {
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
       for (std::uint32_t v : triangles[t]) items[fill[v]++] = t;
   }
-  std::span<const std::uint32_t> of(std::uint32_t v) const { return {items.data() + start[v], items.data() + start[v + 1]}; }
+  std::span<const std::uint32_t> of(std::uint32_t v) const {
+    return {items.data() + start[v], items.data() + start[v + 1]};
+  }
 };
 
 /// A few values on the stack; of a fan with more, those that come first.
@@ -81,7 +83,12 @@ std::vector<Shape3> shapes_of(const PointMesh& mesh, std::span<const Vec3> place
 class Spacing {
  public:
   Spacing(const PointMesh& mesh, const std::vector<Shape3>& shapes, const Stars& stars)
-      : mesh_(mesh), stars_(stars), own_(stars.start.size() - 1, 0), lowest_(own_.size(), 0), around_(own_.size(), -1), seen_(own_.size(), 0) {
+      : mesh_(mesh),
+        stars_(stars),
+        own_(stars.start.size() - 1, 0),
+        lowest_(own_.size(), 0),
+        around_(own_.size(), -1),
+        seen_(own_.size(), 0) {
     // Between scan lines the circle through three points spans the distance of the lines; on scattered points it is
     // smaller than the spacing, by 0.6 in the median of a Poisson process.
     constexpr float scattered = 1.5f, lines = 2.0f, elongated = 0.3f;
@@ -145,22 +152,30 @@ struct Disc {
   std::int32_t face = -1;
 };
 
-double cosine(const std::array<float, 3>& a, const std::array<float, 3>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double cosine(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
-bool same_side(const std::array<float, 3>& a, const std::array<float, 3>& b) { return cosine(a, b) > 0.3; }
+bool same_side(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return cosine(a, b) > 0.3;
+}
 
 /// Distance from places on the model to the nearest measured point that does not face the other way, and to free edges.
 class EmptyDiscs {
  public:
-  /// @param reach  mm: points farther than this from every one of `probes` are only looked at where nothing else is found
+  /// @param reach  mm: points farther than this from every one of `probes` are only looked at where nothing else is
+  /// found
   EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::span<const Foot> probes, double reach, double step)
       : feet_(feet), reach_(reach), farthest_(model.diagonal), few_(probes.size() < feet.size() / 16) {
     std::unordered_set<std::uint64_t> near_probes;
     const auto cell = [&](const Vec3& p, int dx, int dy, int dz) {
-      const auto at = [&](int k, int d) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p[k] / reach)) + d) & 0x1fffff; };
+      const auto at = [&](int k, int d) {
+        return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p[k] / reach)) + d) & 0x1fffff;
+      };
       return at(0, dx) << 42 | at(1, dy) << 21 | at(2, dz);
     };
-    // Few probes, as on a part that was measured everywhere, need few points; trees over all would cost more than all else.
+    // Few probes, as on a part that was measured everywhere, need few points; trees over all would cost more than all
+    // else.
     if (few_)
       for (const Foot& probe : probes)
         for (int i = 0; i < 27; ++i) near_probes.insert(cell(probe.point, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
@@ -221,9 +236,11 @@ class EmptyDiscs {
     for (int k = 1; k < 3; ++k)
       if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
     const auto cell = [&](int k) {
-      return n[axis] == 0 ? 0 : std::clamp(static_cast<int>((n[k] / std::abs(n[axis]) + 1) * 0.5f * cells), 0, cells - 1);
+      return n[axis] == 0 ? 0
+                          : std::clamp(static_cast<int>((n[k] / std::abs(n[axis]) + 1) * 0.5f * cells), 0, cells - 1);
     };
-    return static_cast<std::size_t>(((2 * axis + (n[axis] < 0)) * cells + cell((axis + 1) % 3)) * cells + cell((axis + 2) % 3));
+    return static_cast<std::size_t>(((2 * axis + (n[axis] < 0)) * cells + cell((axis + 1) % 3)) * cells +
+                                    cell((axis + 2) % 3));
   }
 
   template <class Wanted>
@@ -249,7 +266,8 @@ class EmptyDiscs {
         for (std::size_t k = whole ? 1 : 8;; k *= 8) {
           bin.tree->nearest(at.point, k, found_);
           const auto counts = std::find_if(found_.begin(), found_.end(), [&](const NearestPoints::Neighbor& n) {
-            return whole || n.squared_distance >= nearest * nearest || cosine(bin.normals[n.index], at.normal) > std::cos(other_way);
+            return whole || n.squared_distance >= nearest * nearest ||
+                   cosine(bin.normals[n.index], at.normal) > std::cos(other_way);
           });
           if (counts != found_.end()) nearest = std::min(nearest, std::sqrt(counts->squared_distance));
           if (counts != found_.end() || found_.size() < k) break;
@@ -277,16 +295,20 @@ std::array<float, 3> facing(const Triangle& q, std::span<const Vec3> places) {
   return result;
 }
 
-bool opposed(const std::array<float, 3>& a, const std::array<float, 3>& b) { return cosine(a, b) < -0.3; }
+bool opposed(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return cosine(a, b) < -0.3;
+}
 
-/// Where a whole side of the part was not measured, the triangles that stand for it lie along the other side: their probes are sent
-/// on, the way the triangles face, until they meet a place of the model that faces so too.
+/// Where a whole side of the part was not measured, the triangles that stand for it lie along the other side: their
+/// probes are sent on, the way the triangles face, until they meet a place of the model that faces so too.
 /// @return whether any was
-bool send_through(const PointMesh& mesh, std::span<const Vec3> places, double diagonal, double step, std::span<const Vec3> probes,
-                  std::span<const std::uint32_t> probe_triangle, const Registration& registration, std::vector<Foot>& feet, Context& context) {
+bool send_through(const PointMesh& mesh, std::span<const Vec3> places, double diagonal, double step,
+                  std::span<const Vec3> probes, std::span<const std::uint32_t> probe_triangle,
+                  const Registration& registration, std::vector<Foot>& feet, Context& context) {
   std::vector<std::uint32_t> waiting;
   for (std::uint32_t i = 0; i < probes.size(); ++i)
-    if (feet[i].face >= 0 && opposed(feet[i].normal, facing(mesh.triangles[probe_triangle[i]], places))) waiting.push_back(i);
+    if (feet[i].face >= 0 && opposed(feet[i].normal, facing(mesh.triangles[probe_triangle[i]], places)))
+      waiting.push_back(i);
   bool any = false;
   for (double s = std::max(step, 1e-4 * diagonal); s < diagonal && !waiting.empty(); s *= 1.5) {
     std::vector<Vec3> ahead;
@@ -364,7 +386,8 @@ void keep_manifold(const PointMesh& mesh, const Stars& stars, std::vector<bool>&
       work.insert(mesh.triangles[t].begin(), mesh.triangles[t].end());
     };
     if (kept_runs == 0) {
-      close(*std::min_element(fan.begin(), fan.end(), [&](std::uint32_t a, std::uint32_t b) { return size[a] < size[b]; }));
+      close(*std::min_element(fan.begin(), fan.end(),
+                              [&](std::uint32_t a, std::uint32_t b) { return size[a] < size[b]; }));
     } else if (kept_runs > 1) {
       // Two fans of kept triangles: the smallest run between two of them is closed.
       const Run* smallest = nullptr;
@@ -388,8 +411,8 @@ std::vector<float> point_spacing(const PointMesh& mesh, std::span<const Vec3> pl
   return result;
 }
 
-Coverage find_unmeasured(const CadModel& model, const Registration& registration, const PointMesh& mesh, std::span<const Foot> feet,
-                         double hole_size, Context& context) {
+Coverage find_unmeasured(const CadModel& model, const Registration& registration, const PointMesh& mesh,
+                         std::span<const Foot> feet, double hole_size, Context& context) {
   Coverage result;
   if (mesh.triangles.empty()) return result;
   std::vector<Vec3> places;
@@ -424,8 +447,10 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
     if (h > 0) finest = std::min(finest, h);
     widest_spacing = std::max(widest_spacing, h);
   }
-  const bool sides_missing = send_through(mesh, places, model.diagonal, finest < infinity ? finest : 0, probes, probe_triangle, registration, probe_feet, context);
-  EmptyDiscs empty(model, feet, probe_feet, 4 * hole_size * widest_spacing, std::max(0.25 * finest, 0.01 * widest_spacing));
+  const bool sides_missing = send_through(mesh, places, model.diagonal, finest < infinity ? finest : 0, probes,
+                                          probe_triangle, registration, probe_feet, context);
+  EmptyDiscs empty(model, feet, probe_feet, 4 * hole_size * widest_spacing,
+                   std::max(0.25 * finest, 0.01 * widest_spacing));
   std::vector<Disc> discs;
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Foot& foot = probe_feet[i];
@@ -446,7 +471,8 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   const NearestPoints center_tree(centers);
   std::vector<Vec3> middles;
   std::vector<std::uint32_t> middle_triangle;
-  std::vector<bool> small_middle;  // such triangles are open only if they stand for another side than the one they lie on
+  std::vector<bool>
+      small_middle;  // such triangles are open only if they stand for another side than the one they lie on
   std::vector<NearestPoints::Neighbor> near;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& q = mesh.triangles[t];
