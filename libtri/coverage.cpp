@@ -190,14 +190,21 @@ class EmptyDiscs {
     if (!rim_.empty()) rim_tree_.emplace(rim_);
   }
 
-  double radius(const Foot& at) {
-    double nearest = farthest_;
+  /// What ends the largest disc about a place.
+  struct End {
+    double distance = 0;
+    Vec3 place{0, 0, 0};
+    std::int32_t point = -1;  // -1 at a free edge, or where nothing ends it
+  };
+  End end(const Foot& at) {
+    End nearest{farthest_, at.point, -1};
     if (rim_tree_) {
       rim_tree_->nearest(at.point, 1, found_);
-      nearest = std::min(nearest, std::sqrt(found_[0].squared_distance));
+      const double distance = std::sqrt(found_[0].squared_distance);
+      if (distance < nearest.distance) nearest = {distance, rim_[found_[0].index], -1};
     }
-    const double found = nearest_point(at, nearest);
-    if (!few_ || found <= reach_) return found;
+    const End found = nearest_point(at, nearest);
+    if (!few_ || found.distance <= reach_) return found;
     few_ = false;
     fill_bins([](const Foot&) { return true; });
     return nearest_point(at, nearest);
@@ -209,6 +216,7 @@ class EmptyDiscs {
   struct Bin {  // of points with similar normals
     std::vector<Vec3> places;
     std::vector<std::array<float, 3>> normals;
+    std::vector<std::int32_t> points;
     std::array<float, 3> middle{};
     double spread = 0;  // radians, of the normals about the middle
     std::optional<NearestPoints> tree;
@@ -217,6 +225,7 @@ class EmptyDiscs {
       tree.reset();
       places.clear();
       normals.clear();
+      points.clear();
       spread = 0;
     }
     void finish() {
@@ -246,17 +255,19 @@ class EmptyDiscs {
   template <class Wanted>
   void fill_bins(Wanted wanted) {
     for (Bin& bin : bins_) bin.clear();
-    for (const Foot& foot : feet_) {
+    for (std::size_t i = 0; i < feet_.size(); ++i) {
+      const Foot& foot = feet_[i];
       if (foot.face < 0 || !wanted(foot)) continue;
       Bin& bin = bins_[bin_of(foot.normal)];
       bin.places.push_back(foot.point);
       bin.normals.push_back(foot.normal);
+      bin.points.push_back(static_cast<std::int32_t>(i));
     }
     for (Bin& bin : bins_) bin.finish();
   }
 
-  /// @return the distance to the nearest point that counts, at most `nearest`
-  double nearest_point(const Foot& at, double nearest) {
+  /// @return the nearest point that counts, or `nearest` if that is nearer
+  End nearest_point(const Foot& at, End nearest) {
     // Bins of which every point counts come first: they bound the search in those of which only some do.
     for (const bool whole : {true, false})
       for (const Bin& bin : bins_) {
@@ -266,10 +277,11 @@ class EmptyDiscs {
         for (std::size_t k = whole ? 1 : 8;; k *= 8) {
           bin.tree->nearest(at.point, k, found_);
           const auto counts = std::find_if(found_.begin(), found_.end(), [&](const NearestPoints::Neighbor& n) {
-            return whole || n.squared_distance >= nearest * nearest ||
+            return whole || n.squared_distance >= nearest.distance * nearest.distance ||
                    cosine(bin.normals[n.index], at.normal) > std::cos(other_way);
           });
-          if (counts != found_.end()) nearest = std::min(nearest, std::sqrt(counts->squared_distance));
+          if (counts != found_.end() && counts->squared_distance < nearest.distance * nearest.distance)
+            nearest = {std::sqrt(counts->squared_distance), bin.places[counts->index], bin.points[counts->index]};
           if (counts != found_.end() || found_.size() < k) break;
         }
       }
@@ -452,12 +464,43 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   EmptyDiscs empty(model, feet, probe_feet, 4 * hole_size * widest_spacing,
                    std::max(0.25 * finest, 0.01 * widest_spacing));
   std::vector<Disc> discs;
-  for (std::size_t i = 0; i < probes.size(); ++i) {
-    const Foot& foot = probe_feet[i];
-    if (foot.face < 0) continue;
-    const double h = spacing.at(mesh.triangles[probe_triangle[i]]);
-    const double radius = empty.radius(foot);
-    if (radius > hole_size * h) discs.push_back({foot.point, foot.normal, radius, h, probe_triangle[i], foot.face});
+  struct Growing {
+    std::uint32_t probe;
+    EmptyDiscs::End end;
+  };
+  std::vector<Growing> growing;
+  const auto spacing_of = [&](const Growing& g) {
+    const double h = spacing.at(mesh.triangles[probe_triangle[g.probe]]);
+    return g.end.point < 0 ? h : std::max<double>(h, spacing.at(static_cast<std::uint32_t>(g.end.point)));
+  };
+  const auto keep_empty = [&](const Growing& g) {
+    const double h = spacing_of(g);
+    const Foot& foot = probe_feet[g.probe];
+    if (g.end.distance > hole_size * h)
+      discs.push_back({foot.point, foot.normal, g.end.distance, h, probe_triangle[g.probe], foot.face});
+    return g.end.distance > hole_size * h;
+  };
+  for (std::uint32_t i = 0; i < probes.size(); ++i) {
+    if (probe_feet[i].face < 0) continue;
+    const Growing g{i, empty.end(probe_feet[i])};
+    if (!keep_empty(g) && g.end.distance > 0.5 * hole_size * spacing_of(g)) growing.push_back(g);
+  }
+  // Around a corner of the part triangles cut short, and their probes miss the middle of the gap: discs are pushed away
+  // from what ends them as long as they grow.
+  for (int round = 0; round < 6 && !growing.empty(); ++round) {
+    std::vector<Vec3> pushed;
+    for (const Growing& g : growing)
+      pushed.push_back(probe_feet[g.probe].point + (probe_feet[g.probe].point - g.end.place) * 0.3);
+    const std::vector<Foot> pushed_feet = registration.register_points(pushed, context);
+    std::vector<Growing> still;
+    for (std::size_t k = 0; k < growing.size(); ++k) {
+      if (pushed_feet[k].face < 0) continue;
+      const Growing g{growing[k].probe, empty.end(pushed_feet[k])};
+      if (g.end.distance < 1.03 * growing[k].end.distance) continue;
+      probe_feet[g.probe] = pushed_feet[k];
+      if (!keep_empty(g)) still.push_back(g);
+    }
+    growing = std::move(still);
   }
   if (discs.empty()) return result;
   context.checkpoint();
