@@ -213,6 +213,19 @@ TEST_CASE("find_unmeasured: a disc ends at a free edge") {
   }
 }
 
+TEST_CASE("find_unmeasured: a gap around a corner or across an edge of the part is found") {
+  const Shape box = make_shape(BRepPrimAPI_MakeBox(60, 50, 40).Shape());
+  for (const Sampling& s : samplings)
+    for (const Vec3& place : {Vec3(60, 50, 40), Vec3(60, 25, 40)}) {
+      CAPTURE(s.name);
+      CAPTURE(place);
+      const double radius = 6 * scale_without_gaps(box, s);
+      const Covered c = with_gaps(box, s, {place}, radius);
+      check_opened(c, 1);
+      CHECK((c.coverage.regions[0].center - place).norm() < radius);
+    }
+}
+
 TEST_CASE("find_unmeasured: points on the other side of a thin wall do not fill a gap") {
   const Shape plate = make_shape(BRepPrimAPI_MakeBox(100, 80, 0.5).Shape());
   Sampling s = samplings[0];
