@@ -103,11 +103,22 @@ class Spacing {
         if (!radii.empty()) own_[v] = radii.lower_median() * (ratios.lower_median() < elongated ? lines : scattered);
       }
     });
+    std::vector<float> smooth(own_.size(), 0);
     tbb::parallel_for(all, [&](const auto& range) {
       for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
-        lowest_[v] = own_[v];
+        Few around;
+        for (std::uint32_t t : stars.of(v)) {
+          const Triangle& q = mesh.triangles[t];
+          around.add(own_[q[0] == v ? q[1] : q[1] == v ? q[2] : q[0]]);
+        }
+        if (!around.empty()) smooth[v] = around.lower_median();
+      }
+    });
+    tbb::parallel_for(all, [&](const auto& range) {
+      for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
+        lowest_[v] = smooth[v];
         for (std::uint32_t t : stars.of(v))
-          for (std::uint32_t w : mesh.triangles[t]) lowest_[v] = std::min(lowest_[v], own_[w]);
+          for (std::uint32_t w : mesh.triangles[t]) lowest_[v] = std::min(lowest_[v], smooth[w]);
       }
     });
   }
