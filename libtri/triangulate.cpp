@@ -68,24 +68,31 @@ void leave_out(std::vector<Foot>& feet, std::span<const std::uint32_t> indices) 
   for (std::uint32_t i : indices) feet[i].face = -1;
 }
 
-Mesh to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet,
-             const PointMesh& connected, Context& context) {
+/// Makes the mesh and uses `connected` up, since at this step memory is highest.
+void to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, PointMesh connected,
+             Mesh& mesh, Context& context) {
   std::vector<std::int32_t> vertex_of(points.size(), -1);
   for (const Triangle& t : connected.triangles)
     for (std::uint32_t p : t) vertex_of[p] = 0;
   std::vector<std::uint32_t> point_of;
-  std::vector<Vec3> positions;
+  point_of.reserve(points.size());
   for (std::uint32_t p = 0; p < points.size(); ++p)
     if (vertex_of[p] == 0) {
       vertex_of[p] = static_cast<std::int32_t>(point_of.size());
       point_of.push_back(p);
-      positions.push_back(points[p]);
     }
-  std::vector<Triangle> triangles(connected.triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) triangles[t][k] = static_cast<std::uint32_t>(vertex_of[connected.triangles[t][k]]);
-  BuiltMesh built = build_mesh(positions, triangles, connected.neighbors, context);
-  Mesh& mesh = built.mesh;
+  std::vector<Vec3> positions;
+  if (point_of.size() < points.size()) {
+    positions.reserve(point_of.size());
+    for (const std::uint32_t p : point_of) positions.push_back(points[p]);
+    for (Triangle& t : connected.triangles)
+      for (std::uint32_t& p : t) p = static_cast<std::uint32_t>(vertex_of[p]);
+    points = positions;
+  }
+  vertex_of = {};
+  for (const std::uint32_t copied : build_mesh_into(mesh, points, connected.triangles, connected.neighbors, context))
+    point_of.push_back(point_of[copied]);
+  connected = {};
 
   OpenMesh::VPropHandleT<int> point_index, cad_face;
   OpenMesh::VPropHandleT<Vec2> uv;
@@ -96,14 +103,13 @@ Mesh to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<cons
   mesh.add_property(deviation, property::deviation);
   for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
     const VertexHandle handle(static_cast<int>(v));
-    const std::uint32_t point = point_of[built.point_of(handle)];
+    const std::uint32_t point = point_of[v];
     const Foot& foot = feet[point];
     mesh.property(point_index, handle) = static_cast<int>(point);
     mesh.property(cad_face, handle) = model.faces[foot.face].index;
     mesh.property(uv, handle) = foot.uv;
     mesh.property(deviation, handle) = foot.deviation;
   }
-  return std::move(built.mesh);
 }
 
 void describe_coverage(const CadModel& model, std::span<const Foot> feet, TriangulateResult& result) {
@@ -278,8 +284,8 @@ TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> point
   }
   watch.lap("unmeasured regions");
 
-  result.mesh = to_mesh(model, points, feet, best.mesh, context);
-  if (options.keep_patches) result.patches = to_mesh(model, points, feet, best.patches, context);
+  to_mesh(model, points, feet, std::move(best.mesh), result.mesh, context);
+  if (options.keep_patches) to_mesh(model, points, feet, std::move(best.patches), result.patches.emplace(), context);
   note_checks(best, result);
   watch.lap("build mesh");
   return result;

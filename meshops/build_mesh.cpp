@@ -1,9 +1,13 @@
 #include "meshops/build_mesh.hpp"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -100,53 +104,74 @@ std::size_t count_edges(const std::vector<std::int32_t>& twin) {
   return (twin.size() + alone) / 2;
 }
 
-/// Taking memory costs the mesh as much time as finding its links does, so the two go side by side.
-template <class First, class Second>
-void side_by_side(const Context& context, const First& first, const Second& second) {
-  if (context.threads == 1) {
-    first();
-    second();
-  } else {
-    tbb::parallel_invoke(first, second);
-  }
-}
+constexpr std::size_t link_block = 1 << 14;  // triangles
 
 /// Writes all links of a manifold triangle list. `twin` is used up: entries become half-edge numbers.
+///
+/// Edges are numbered by their first side, which owns them; counted by blocks, so that every block knows its first number.
 void link(std::span<const Triangle> triangles, std::size_t vertices, std::vector<std::int32_t>& twin, Mesh& mesh) {
   mesh.resize(vertices, count_edges(twin), triangles.size());
-  std::vector<HalfedgeHandle> boundary;
-  int edges = 0;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Triangle& t = triangles[i];
-    const auto first = static_cast<std::int32_t>(3 * i);
-    HalfedgeHandle h[3];
+  const std::size_t n_blocks = (triangles.size() + link_block - 1) / link_block;
+  const auto for_blocks = [&](const auto& visit) {
+    tbb::parallel_for(std::size_t{0}, n_blocks, [&](std::size_t block) {
+      for (std::size_t i = block * link_block; i < std::min((block + 1) * link_block, triangles.size()); ++i)
+        visit(block, i);
+    });
+  };
+  std::vector<int> edges(n_blocks + 1, 0);
+  std::vector<std::uint8_t> owned(triangles.size(), 0);  // bit k: the side from corner k owns its edge
+  for_blocks([&](std::size_t block, std::size_t i) {
     for (int k = 0; k < 3; ++k) {
-      std::int32_t& entry = twin[first + k];
-      if (entry != none && entry < first) {
-        h[k] = HalfedgeHandle(twin[entry] + 1);
+      const std::int32_t entry = twin[3 * i + k];
+      if (entry != none && entry < static_cast<std::int32_t>(3 * i)) continue;
+      owned[i] |= static_cast<std::uint8_t>(1 << k);
+      ++edges[block + 1];
+    }
+  });
+  for (std::size_t block = 0; block < n_blocks; ++block) edges[block + 1] += edges[block];
+
+  // An entry of `twin` is read and written by the owner of its edge alone.
+  std::vector<std::vector<HalfedgeHandle>> boundaries(n_blocks);
+  for_blocks([&](std::size_t block, std::size_t i) {
+    for (int k = 0; k < 3; ++k) {
+      if ((owned[i] >> k & 1) == 0) continue;
+      std::int32_t& entry = twin[3 * i + k];
+      const HalfedgeHandle h(2 * edges[block]++), outside(h.idx() + 1);
+      if (entry == none) {
+        mesh.set_vertex_handle(outside, VertexHandle(static_cast<int>(triangles[i][k])));
+        boundaries[block].push_back(outside);
       } else {
-        h[k] = HalfedgeHandle(2 * edges++);
-        if (entry == none) {
-          const HalfedgeHandle outside(h[k].idx() + 1);
-          mesh.set_vertex_handle(outside, VertexHandle(static_cast<int>(t[k])));
-          boundary.push_back(outside);
-        }
+        twin[entry] = outside.idx();
       }
-      entry = h[k].idx();
+      entry = h.idx();
     }
-    const FaceHandle f(static_cast<int>(i));
-    for (int k = 0; k < 3; ++k) {
-      mesh.set_vertex_handle(h[k], VertexHandle(static_cast<int>(t[k == 2 ? 0 : k + 1])));
-      mesh.set_face_handle(h[k], f);
-      mesh.set_next_halfedge_handle(h[k], h[k == 2 ? 0 : k + 1]);
-      mesh.set_halfedge_handle(VertexHandle(static_cast<int>(t[k])), h[k]);
-    }
-    mesh.set_halfedge_handle(f, h[0]);
-  }
+  });
+  tbb::parallel_invoke(
+      [&] {
+        for_blocks([&](std::size_t, std::size_t i) {
+          const Triangle& t = triangles[i];
+          const FaceHandle f(static_cast<int>(i));
+          const HalfedgeHandle h[3] = {HalfedgeHandle(twin[3 * i]), HalfedgeHandle(twin[3 * i + 1]),
+                                       HalfedgeHandle(twin[3 * i + 2])};
+          for (int k = 0; k < 3; ++k) {
+            mesh.set_vertex_handle(h[k], VertexHandle(static_cast<int>(t[k == 2 ? 0 : k + 1])));
+            mesh.set_face_handle(h[k], f);
+            mesh.set_next_halfedge_handle(h[k], h[k == 2 ? 0 : k + 1]);
+          }
+          mesh.set_halfedge_handle(f, h[0]);
+        });
+      },
+      [&] {
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+          for (int k = 0; k < 3; ++k)
+            mesh.set_halfedge_handle(VertexHandle(static_cast<int>(triangles[i][k])), HalfedgeHandle(twin[3 * i + k]));
+      });
   // Circulators that start at a boundary vertex rely on its outgoing half-edge being the boundary one.
-  for (const HalfedgeHandle b : boundary) mesh.set_halfedge_handle(mesh.from_vertex_handle(b), b);
-  for (const HalfedgeHandle b : boundary)
-    mesh.set_next_halfedge_handle(b, mesh.halfedge_handle(mesh.to_vertex_handle(b)));
+  for (const auto& boundary : boundaries)
+    for (const HalfedgeHandle b : boundary) mesh.set_halfedge_handle(mesh.from_vertex_handle(b), b);
+  for (const auto& boundary : boundaries)
+    for (const HalfedgeHandle b : boundary)
+      mesh.set_next_halfedge_handle(b, mesh.halfedge_handle(mesh.to_vertex_handle(b)));
 }
 
 template <class Items, class Text>
@@ -191,23 +216,22 @@ void report_repairs(BuiltMesh& result) {
 /// @param given triangles without a repeated vertex
 /// @param pair gives the `SidePairs` of them
 template <class Pair>
-void build(std::span<const Vec3> points, std::span<const Triangle> given, const Pair& pair, BuiltMesh& result,
-           Context& context) {
-  Mesh& mesh = result.mesh;
+void build(std::span<const Vec3> points, std::span<const Triangle> given, const Pair& pair, Mesh& mesh,
+           BuiltMesh& result, Context& context) {
   SidePairs pairs;
   const auto place_points = [&] {
     mesh.resize(points.size(), 0, given.size());
     if (!points.empty()) std::copy(points.begin(), points.end(), &mesh.point(VertexHandle(0)));
   };
-  side_by_side(
-      context, [&] { pairs = pair(); }, place_points);
+  // Taking memory costs the mesh as much time as finding its links does, so the two go side by side.
+  tbb::parallel_invoke([&] { pairs = pair(); }, place_points);
   context.checkpoint();
   context.progress("build-mesh", 0.4);
 
   bool manifold = pairs.same_way.empty() && pairs.crowded.empty();
   if (manifold) {
-    side_by_side(
-        context, [&] { manifold = vertices_with_several_fans(given, points.size(), pairs.twin).empty(); },
+    tbb::parallel_invoke(
+        [&] { manifold = vertices_with_several_fans(given, points.size(), pairs.twin).empty(); },
         [&] { mesh.resize(points.size(), count_edges(pairs.twin), given.size()); });
   }
   context.checkpoint();
@@ -228,35 +252,63 @@ void build(std::span<const Vec3> points, std::span<const Triangle> given, const 
   report_repairs(result);
 }
 
+/// Runs `work` on as many threads as the context allows.
+template <class Work>
+void in_arena(const Context& context, const Work& work) {
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  arena.execute(work);
+}
+
 /// For each side the side of the known neighbour on the same edge.
 std::vector<std::int32_t> twins_of_neighbors(std::span<const Triangle> triangles,
                                              std::span<const std::array<std::int32_t, 3>> neighbors) {
   if (neighbors.size() != triangles.size())
     throw InvalidInput(fmt::format("{} triples of neighbours for {} triangles", neighbors.size(), triangles.size()));
   std::vector<std::int32_t> twin(3 * triangles.size(), none);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      // The side from corner k lies opposite corner k - 1.
-      const std::int32_t other = neighbors[i][k == 0 ? 2 : k - 1];
-      std::int32_t& entry = twin[3 * i + k];
-      if (other == -1 || entry != none) continue;
-      const std::uint32_t from = triangles[i][k], to = triangles[i][k == 2 ? 0 : k + 1];
-      // The earlier triangle of a pair sets both; where it has not, the two do not fit.
-      if (other > static_cast<std::int32_t>(i) && other < static_cast<std::int32_t>(triangles.size())) {
-        for (int j = 0; j < 3; ++j) {
-          if (triangles[other][j] != to || triangles[other][j == 2 ? 0 : j + 1] != from ||
-              neighbors[other][j == 0 ? 2 : j - 1] != static_cast<std::int32_t>(i))
-            continue;
-          entry = 3 * other + j;
-          twin[entry] = static_cast<std::int32_t>(3 * i) + k;
+  std::atomic<std::size_t> first_misfit{twin.size()};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), link_block), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      for (int k = 0; k < 3; ++k) {
+        // The side from corner k lies opposite corner k - 1.
+        const std::int32_t other = neighbors[i][k == 0 ? 2 : k - 1];
+        if (other == -1) continue;
+        std::int32_t& entry = twin[3 * i + k];
+        const std::uint32_t from = triangles[i][k], to = triangles[i][k == 2 ? 0 : k + 1];
+        if (other >= 0 && other < static_cast<std::int32_t>(triangles.size())) {
+          for (int j = 0; j < 3; ++j)
+            if (triangles[other][j] == to && triangles[other][j == 2 ? 0 : j + 1] == from &&
+                neighbors[other][j == 0 ? 2 : j - 1] == static_cast<std::int32_t>(i))
+              entry = 3 * other + j;
+        }
+        if (entry != none) continue;
+        std::size_t least = first_misfit;
+        while (3 * i + k < least && !first_misfit.compare_exchange_weak(least, 3 * i + k)) {
         }
       }
-      if (entry == none)
-        throw InvalidInput(
-            fmt::format("triangle {} has neighbour {} across edge {} - {}, which does not fit", i, other, from, to));
     }
+  });
+  if (first_misfit < twin.size()) {
+    const std::size_t i = first_misfit / 3, k = first_misfit % 3;
+    throw InvalidInput(fmt::format("triangle {} has neighbour {} across edge {} - {}, which does not fit", i,
+                                   neighbors[i][k == 0 ? 2 : k - 1], triangles[i][k], triangles[i][k == 2 ? 0 : k + 1]));
   }
   return twin;
+}
+
+void build_known(std::span<const Vec3> points, std::span<const Triangle> triangles,
+                 std::span<const std::array<std::int32_t, 3>> neighbors, Mesh& mesh, BuiltMesh& result,
+                 Context& context) {
+  check_sizes(points.size(), triangles);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    if (repeats_vertex(triangles[i])) throw InvalidInput(fmt::format("triangle {} names a vertex twice", i));
+  context.progress("build-mesh", 0);
+  const auto pair = [&] {
+    SidePairs pairs;
+    pairs.twin = twins_of_neighbors(triangles, neighbors);
+    return pairs;
+  };
+  in_arena(context, [&] { build(points, triangles, pair, mesh, result, context); });
+  context.progress("build-mesh", 1);
 }
 
 }  // namespace
@@ -283,8 +335,8 @@ BuiltMesh build_mesh(const Soup& soup, Context& context) {
     result.report.skipped["names a vertex twice"] = set_aside.size();
     note_places(result.report, set_aside, "set aside triangle", [](std::uint32_t i) { return i; });
   }
-  build(
-      soup.points, triangles, [&] { return pair_sides(triangles, soup.points.size(), context); }, result, context);
+  const auto pair = [&] { return pair_sides(triangles, soup.points.size(), context); };
+  in_arena(context, [&] { build(soup.points, triangles, pair, result.mesh, result, context); });
   set_attributes(soup, result);
   context.progress("build-mesh", 1);
   return result;
@@ -292,19 +344,18 @@ BuiltMesh build_mesh(const Soup& soup, Context& context) {
 
 BuiltMesh build_mesh(std::span<const Vec3> points, std::span<const Triangle> triangles,
                      std::span<const std::array<std::int32_t, 3>> neighbors, Context& context) {
-  check_sizes(points.size(), triangles);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    if (repeats_vertex(triangles[i])) throw InvalidInput(fmt::format("triangle {} names a vertex twice", i));
-  context.progress("build-mesh", 0);
   BuiltMesh result;
-  const auto pair = [&] {
-    SidePairs pairs;
-    pairs.twin = twins_of_neighbors(triangles, neighbors);
-    return pairs;
-  };
-  build(points, triangles, pair, result, context);
-  context.progress("build-mesh", 1);
+  build_known(points, triangles, neighbors, result.mesh, result, context);
   return result;
+}
+
+std::vector<std::uint32_t> build_mesh_into(Mesh& mesh, std::span<const Vec3> points,
+                                           std::span<const Triangle> triangles,
+                                           std::span<const std::array<std::int32_t, 3>> neighbors, Context& context) {
+  if (mesh.n_vertices() > 0 || mesh.n_faces() > 0) throw InvalidInput("build_mesh_into: the mesh is not empty");
+  BuiltMesh result;
+  build_known(points, triangles, neighbors, mesh, result, context);
+  return std::move(result.repairs.copied_points);
 }
 
 }  // namespace tri

@@ -52,7 +52,7 @@ struct BuiltMesh {
 ///
 /// Vertex scalars become properties "v:NAME" (double; `point_index` and `cad_face` int if they are whole, `u` and `v`
 /// together the Vec2 "v:uv"), face scalars "f:NAME", colours and normals OpenMesh's own attributes. Edges are numbered
-/// by their first side in the order of the triangles. O(points + triangles); two threads at most.
+/// by their first side in the order of the triangles. O(points + triangles).
 ///
 /// @throws InvalidInput if an index is not below the number of points, an attribute has the wrong length, or there are
 /// more than 2^31 / 3 triangles; Cancelled. The soup is never changed.
@@ -65,5 +65,13 @@ BuiltMesh build_mesh(const Soup& soup, Context& context);
 /// directions.
 BuiltMesh build_mesh(std::span<const Vec3> points, std::span<const Triangle> triangles,
                      std::span<const std::array<std::int32_t, 3>> neighbors, Context& context);
+
+/// The same into a mesh of the caller's: OpenMesh's meshes copy where others move, which for millions of faces costs time
+/// and twice the memory.
+/// @param mesh empty, else InvalidInput is thrown; after any other exception its contents are undefined
+/// @return the point of each vertex that was appended after the points, as `ManifoldRepairs::copied_points`
+std::vector<std::uint32_t> build_mesh_into(Mesh& mesh, std::span<const Vec3> points,
+                                           std::span<const Triangle> triangles,
+                                           std::span<const std::array<std::int32_t, 3>> neighbors, Context& context);
 
 }  // namespace tri

@@ -1,6 +1,10 @@
 #include "meshops/side_pairs.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace tri {
@@ -134,9 +138,14 @@ std::vector<std::uint32_t> vertices_with_several_fans(std::span<const Triangle> 
     return size;
   };
   // Each walk covers one fan; only if something is left over is it worth while to count by vertex.
-  std::size_t covered = 0;
-  for (std::size_t v = 0; v < points; ++v)
-    if (first[v] != SidePairs::none) covered += fan_size(v);
+  const std::size_t covered = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, points, 4096), std::size_t{0},
+      [&](const auto& range, std::size_t sum) {
+        for (std::size_t v = range.begin(); v < range.end(); ++v)
+          if (first[v] != SidePairs::none) sum += fan_size(v);
+        return sum;
+      },
+      std::plus<>());
   std::vector<std::uint32_t> several;
   if (covered == twin.size()) return several;
   std::vector<std::uint32_t> corners(points);

@@ -18,6 +18,7 @@ constexpr const char* colors_name = "v:colors";
 std::optional<std::vector<double>> numbers(const OpenMesh::BaseProperty& property, Indices elements) {
   const auto gather = [&](const auto& typed) {
     std::vector<double> values;
+    values.reserve(elements.size());
     for (const std::uint32_t i : elements) values.push_back(static_cast<double>(typed[static_cast<int>(i)]));
     return values;
   };
@@ -52,6 +53,8 @@ void gather_vertex_property(const OpenMesh::BaseProperty& property, Indices vert
   } else if (name == property::uv) {
     if (const auto* uv = dynamic_cast<const PropertyT<Vec2>*>(&property)) {
       std::vector<double>&u = soup.vertex_scalars["u"], &v = soup.vertex_scalars["v"];
+      u.reserve(vertices.size());
+      v.reserve(vertices.size());
       for (const std::uint32_t i : vertices) {
         u.push_back((*uv)[static_cast<int>(i)][0]);
         v.push_back((*uv)[static_cast<int>(i)][1]);
@@ -69,6 +72,8 @@ Soup to_soup(const MeshView& view) {
   const bool vertex_status = mesh.has_vertex_status(), face_status = mesh.has_face_status();
   Soup soup;
   std::vector<std::uint32_t> vertices, faces, number(mesh.n_vertices());
+  vertices.reserve(mesh.n_vertices());
+  soup.points.reserve(mesh.n_vertices());
   for (std::uint32_t i = 0; i < mesh.n_vertices(); ++i) {
     const VertexHandle v(static_cast<int>(i));
     if (vertex_status && mesh.status(v).deleted()) continue;
@@ -76,6 +81,8 @@ Soup to_soup(const MeshView& view) {
     vertices.push_back(i);
     soup.points.push_back(view.point(v));
   }
+  faces.reserve(mesh.n_faces());
+  soup.triangles.reserve(mesh.n_faces());
   for (std::uint32_t i = 0; i < mesh.n_faces(); ++i) {
     const FaceHandle f(static_cast<int>(i));
     if (face_status && mesh.status(f).deleted()) continue;
