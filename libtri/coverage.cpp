@@ -114,13 +114,11 @@ class Spacing {
         if (!around.empty()) smooth[v] = around.lower_median();
       }
     });
-    tbb::parallel_for(all, [&](const auto& range) {
-      for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
-        lowest_[v] = smooth[v];
-        for (std::uint32_t t : stars.of(v))
-          for (std::uint32_t w : mesh.triangles[t]) lowest_[v] = std::min(lowest_[v], smooth[w]);
-      }
-    });
+    lowest_ = smooth;
+    for (const Triangle& t : mesh.triangles) {
+      const float least = std::min({smooth[t[0]], smooth[t[1]], smooth[t[2]]});
+      for (std::uint32_t v : t) lowest_[v] = std::min(lowest_[v], least);
+    }
   }
 
   /// A cheap value that hardly ever is above `at(t)`.

@@ -1,5 +1,7 @@
 #include "libtri/point_classes.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -35,17 +37,21 @@ double median(std::vector<double>& x) {
 }  // namespace
 
 std::vector<std::uint32_t> find_duplicates(std::span<const Vec3> points) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) keys[i] = {hash(points[i]), i};
+  // Half of the hash, and the point: few others share it, and these are told apart below.
+  constexpr std::uint64_t half = 0xffffffff00000000;
+  std::vector<std::uint64_t> keys(points.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) keys[i] = (hash(points[i]) & half) | i;
+  });
   tbb::parallel_sort(keys.begin(), keys.end());
   std::vector<std::uint32_t> duplicates;
   for (std::size_t i = 0; i < keys.size();) {
     std::size_t j = i + 1;
-    while (j < keys.size() && keys[j].first == keys[i].first) ++j;
+    while (j < keys.size() && (keys[j] & half) == (keys[i] & half)) ++j;
     for (std::size_t b = i + 1; b < j; ++b)
       for (std::size_t a = i; a < b; ++a)
-        if (points[keys[a].second] == points[keys[b].second]) {
-          duplicates.push_back(keys[b].second);
+        if (points[keys[a] & ~half] == points[keys[b] & ~half]) {
+          duplicates.push_back(static_cast<std::uint32_t>(keys[b]));
           break;
         }
     i = j;

@@ -5,10 +5,11 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -84,14 +85,12 @@ bool coplanar_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>&
   return true;
 }
 
-/// Spreads the lowest 21 bits of `x` to every third bit.
+/// Spreads the lowest ten bits of `x` to every third bit.
 std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
+  x = (x | x << 16) & 0x030000ff;
+  x = (x | x << 8) & 0x0300f00f;
+  x = (x | x << 4) & 0x030c30c3;
+  return (x | x << 2) & 0x09249249;
 }
 
 /// Triangles sorted along a space-filling curve and cut into blocks; a tree holds the blocks' boxes, and within two overlapping
@@ -103,27 +102,32 @@ class Blocks {
     Box all;
     for (const Vec3& p : points) all.grow(p);
     Vec3 scale(0, 0, 0);
-    for (int k = 0; k < 3; ++k) scale[k] = all.hi[k] > all.lo[k] ? 2097151.0 / (all.hi[k] - all.lo[k]) : 0;
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(triangles.size());
+    for (int k = 0; k < 3; ++k) scale[k] = all.hi[k] > all.lo[k] ? 1023.0 / (all.hi[k] - all.lo[k]) : 0;
+    // The place on the curve in the upper half, the triangle in the lower.
+    constexpr std::uint64_t no_area = std::uint64_t{1} << 63;
+    std::vector<std::uint64_t> order(triangles.size());
     tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(triangles.size()), 4096), [&](const auto& range) {
       for (std::uint32_t t = range.begin(); t < range.end(); ++t) {
         const Vec3 &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
         std::uint64_t key = 0;
         for (int k = 0; k < 3; ++k) key |= spread(static_cast<std::uint64_t>(((a[k] + b[k] + c[k]) / 3 - all.lo[k]) * scale[k])) << k;
         // Triangles without area come last and are left out.
-        if (!(((b - a) % (c - a)).sqrnorm() > 0)) key = ~std::uint64_t{0};
-        order[t] = {key, t};
+        if (!(((b - a) % (c - a)).sqrnorm() > 0)) key = no_area >> 32;
+        order[t] = key << 32 | t;
       }
     });
     tbb::parallel_sort(order.begin(), order.end());
-    while (!order.empty() && order.back().first == ~std::uint64_t{0}) order.pop_back();
+    while (!order.empty() && order.back() >= no_area) order.pop_back();
     items_.resize(order.size());
     corners_.resize(order.size());
-    for (auto& side : sides_) side.resize(order.size());
+    // The last block is filled up with boxes that overlap nothing.
+    for (int k = 0; k < 6; ++k)
+      sides_[k].assign((order.size() + block_size - 1) / block_size * block_size,
+                       k < 3 ? std::numeric_limits<float>::infinity() : -std::numeric_limits<float>::infinity());
     const float below = -std::numeric_limits<float>::infinity(), above = std::numeric_limits<float>::infinity();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), 4096), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        items_[i] = order[i].second;
+        items_[i] = static_cast<std::uint32_t>(order[i]);
         corners_[i] = triangles[items_[i]];
         Box box;
         for (std::uint32_t v : corners_[i]) box.grow(points[v]);
@@ -153,7 +157,9 @@ class Blocks {
   template <class Visit>
   void overlapping_pairs(std::uint32_t b, Visit visit) const {
     tree_->overlapping(tree_->box(b), b, [&](std::uint32_t c) {
-      const std::size_t c_begin = std::size_t{c} * block_size, c_end = std::min(c_begin + block_size, items_.size());
+      const std::size_t c_begin = std::size_t{c} * block_size;
+      std::array<const float*, 6> side;
+      for (int k = 0; k < 6; ++k) side[k] = sides_[k].data() + c_begin;
       const Box& other = tree_->box(c);
       for (std::size_t i = std::size_t{b} * block_size; i < std::min(std::size_t{b + 1} * block_size, items_.size()); ++i) {
         std::array<float, 6> s;
@@ -161,14 +167,18 @@ class Blocks {
         if (s[0] > other.hi[0] || s[1] > other.hi[1] || s[2] > other.hi[2] || s[3] < other.lo[0] || s[4] < other.lo[1] || s[5] < other.lo[2])
           continue;
         std::array<std::uint8_t, block_size> hit;
-        const std::size_t n = c_end - c_begin;
-        for (std::size_t j = 0; j < n; ++j) {
-          const std::size_t m = c_begin + j;
-          hit[j] = (sides_[0][m] <= s[3]) & (sides_[1][m] <= s[4]) & (sides_[2][m] <= s[5]) & (sides_[3][m] >= s[0]) &
-                   (sides_[4][m] >= s[1]) & (sides_[5][m] >= s[2]);
+        for (std::size_t j = 0; j < block_size; ++j)
+          hit[j] = (side[0][j] <= s[3]) & (side[1][j] <= s[4]) & (side[2][j] <= s[5]) & (side[3][j] >= s[0]) &
+                   (side[4][j] >= s[1]) & (side[5][j] >= s[2]);
+        for (std::size_t eight = 0; eight < block_size; eight += 8) {
+          std::uint64_t hits = 0;
+          std::memcpy(&hits, hit.data() + eight, 8);
+          for (; hits != 0; hits &= hits - 1) {  // a byte is 0 or 1
+            const int byte = std::countr_zero(hits) / 8;
+            const std::size_t m = c_begin + eight + (std::endian::native == std::endian::little ? byte : 7 - byte);
+            if (b != c || m > i) visit(items_[i], corners_[i], items_[m], corners_[m]);
+          }
         }
-        for (std::size_t j = 0; j < n; ++j)
-          if (hit[j] && (b != c || c_begin + j > i)) visit(items_[i], corners_[i], items_[c_begin + j], corners_[c_begin + j]);
       }
     });
   }
@@ -220,8 +230,9 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
       Pairs& mine = found.local();
       for (std::uint32_t b = range.begin(); b < range.end(); ++b)
         blocks.overlapping_pairs(b, [&](std::uint32_t t, const Triangle& q, std::uint32_t u, const Triangle& r) {
-          for (std::uint32_t v : q)
-            if (v == r[0] || v == r[1] || v == r[2]) return;
+          bool joined = false;  // without branches, since nobody can predict which corners are the same
+          for (std::uint32_t v : q) joined |= (v == r[0]) | (v == r[1]) | (v == r[2]);
+          if (joined) return;
           if (triangles_intersect({points[q[0]], points[q[1]], points[q[2]]}, {points[r[0]], points[r[1]], points[r[2]]}))
             mine.push_back({std::min(t, u), std::max(t, u)});
         });
