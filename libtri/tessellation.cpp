@@ -18,13 +18,16 @@
 namespace tri {
 namespace {
 
-using Neighbors = std::vector<std::array<std::int32_t, 3>>;
 
 /// One side of a triangle: the edge opposite `corner`.
 struct Side {
   std::int32_t triangle = -1;
   int corner = 0;
 };
+
+/// Per triangle and side, the side on the other face of the edge. Sides, not only triangles: around a pole two triangles can
+/// share two edges.
+using Twins = std::vector<std::array<Side, 3>>;
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
 
@@ -97,8 +100,8 @@ LooseFaces collect(const CadModel& model) {
 }
 
 /// Links triangles within each face by their nodes, and across each model edge segment by segment.
-Neighbors link(const LooseFaces& loose) {
-  Neighbors neighbors(loose.triangles.size(), {-1, -1, -1});
+Twins link(const LooseFaces& loose) {
+  Twins twins(loose.triangles.size());
   std::unordered_map<std::uint64_t, Side> sides;
   sides.reserve(loose.triangles.size() * 3);
   for (std::size_t t = 0; t < loose.triangles.size(); ++t)
@@ -108,7 +111,7 @@ Neighbors link(const LooseFaces& loose) {
   for (std::size_t t = 0; t < loose.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const auto twin = sides.find(directed(loose.triangles[t][(k + 2) % 3], loose.triangles[t][(k + 1) % 3]));
-      if (twin != sides.end()) neighbors[t][k] = twin->second.triangle;
+      if (twin != sides.end()) twins[t][k] = twin->second;
     }
   for (const auto& uses : loose.edge_uses) {
     if (uses.size() != 2 || uses[0].nodes.size() != uses[1].nodes.size()) continue;  // free, non-manifold, or out of step
@@ -123,11 +126,11 @@ Neighbors link(const LooseFaces& loose) {
         if (side != sides.end()) found[i] = side->second;
       }
       if (found[0].triangle < 0 || found[1].triangle < 0 || along[0] == along[1]) continue;
-      neighbors[found[0].triangle][found[0].corner] = found[1].triangle;
-      neighbors[found[1].triangle][found[1].corner] = found[0].triangle;
+      twins[found[0].triangle][found[0].corner] = found[1];
+      twins[found[1].triangle][found[1].corner] = found[0];
     }
   }
-  return neighbors;
+  return twins;
 }
 
 }  // namespace
@@ -137,45 +140,39 @@ Tessellation tessellate(const CadModel& model, double deflection, double angle, 
   BRepMesh_IncrementalMesh(occt(model.shape), deflection, false, angle, true);
   LooseFaces loose = collect(model);
   if (loose.triangles.empty()) throw CadError("no face of the model could be tessellated");
-  Neighbors neighbors = link(loose);
+  Twins twins = link(loose);
 
   // A triangle with two nodes on one pole has no area: its two other neighbours become each other's.
   std::vector<std::int32_t> pole_of(loose.nodes.size(), -1);
   for (std::size_t p = 0; p < loose.poles.size(); ++p)
     for (std::uint32_t node : loose.poles[p]) pole_of[node] = static_cast<std::int32_t>(p);
   std::vector<bool> dropped(loose.triangles.size(), false);
-  const auto relink = [&](std::int32_t t, std::int32_t from, std::int32_t to) {
-    if (t < 0) return;
-    for (std::int32_t& n : neighbors[t])
-      if (n == from) {
-        n = to;
-        return;
-      }
+  const auto relink = [&](const Side& side, const Side& to) {
+    if (side.triangle >= 0) twins[side.triangle][side.corner] = to;
   };
   for (std::size_t t = 0; t < loose.triangles.size(); ++t)
     for (int k = 0; k < 3 && !dropped[t]; ++k) {
       const std::int32_t a = pole_of[loose.triangles[t][(k + 1) % 3]], b = pole_of[loose.triangles[t][(k + 2) % 3]];
       if (a < 0 || a != b) continue;
       dropped[t] = true;
-      const std::int32_t left = neighbors[t][(k + 1) % 3], right = neighbors[t][(k + 2) % 3];
-      relink(left, static_cast<std::int32_t>(t), right);
-      relink(right, static_cast<std::int32_t>(t), left);
+      const Side left = twins[t][(k + 1) % 3], right = twins[t][(k + 2) % 3];
+      relink(left, right);
+      relink(right, left);
     }
 
   // A vertex is a fan of triangle corners connected across links.
   DisjointSets corners(loose.triangles.size() * 3);
   for (std::uint32_t t = 0; t < loose.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t n = neighbors[t][k];
-      if (dropped[t] || n < 0) continue;
-      int m = 0;
-      while (m < 3 && neighbors[n][m] != static_cast<std::int32_t>(t)) ++m;
-      if (m == 3) {  // the other side was linked to somebody else
-        neighbors[t][k] = -1;
+      const Side& n = twins[t][k];
+      if (dropped[t] || n.triangle < 0) continue;
+      if (n.triangle == static_cast<std::int32_t>(t)) {  // one triangle all around a pole: cut open
+        twins[t][k] = {};
         continue;
       }
-      corners.join(3 * t + (k + 1) % 3, 3 * static_cast<std::uint32_t>(n) + (m + 2) % 3);
-      corners.join(3 * t + (k + 2) % 3, 3 * static_cast<std::uint32_t>(n) + (m + 1) % 3);
+      const auto other = 3 * static_cast<std::uint32_t>(n.triangle);
+      corners.join(3 * t + (k + 1) % 3, other + (n.corner + 2) % 3);
+      corners.join(3 * t + (k + 2) % 3, other + (n.corner + 1) % 3);
     }
 
   Tessellation result;
@@ -198,7 +195,7 @@ Tessellation tessellate(const CadModel& model, double deflection, double angle, 
     result.triangles.push_back(corner_vertices);
     result.corner_uv.push_back(uv);
     result.faces.push_back(loose.faces[t]);
-    result.neighbors.push_back(neighbors[t]);
+    result.neighbors.push_back({twins[t][0].triangle, twins[t][1].triangle, twins[t][2].triangle});
   }
   for (auto& row : result.neighbors)
     for (std::int32_t& n : row)

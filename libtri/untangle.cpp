@@ -142,7 +142,7 @@ class Untangler {
     const std::int32_t n = edit_.neighbors[t][k];
     if (n < 0) return 0;
     const Triangle& q = edit_.triangles[t];
-    const std::uint32_t a = q[k], b = q[(k + 1) % 3], c = q[(k + 2) % 3], d = edit_.triangles[n][edit_.side(n, t)];
+    const std::uint32_t a = q[k], b = q[(k + 1) % 3], c = q[(k + 2) % 3], d = edit_.opposite(t, k);
     if (a == d || edit_.has_edge(a, d)) return 0;
     const Triangle first{a, b, d}, second{a, d, c};
     if (turned(first) + turned(second) > turned(q) + turned(edit_.triangles[n])) return 0;

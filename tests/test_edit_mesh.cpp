@@ -147,7 +147,7 @@ class RandomEdits {
     const std::int32_t n = mesh_.neighbors[t][k];
     if (n < 0 || (mesh_.creases[t] >> k & 1)) return false;
     const std::uint32_t b = mesh_.triangles[t][(k + 1) % 3], c = mesh_.triangles[t][(k + 2) % 3];
-    const std::uint32_t a = mesh_.triangles[t][k], d = mesh_.triangles[n][mesh_.side(n, t)];
+    const std::uint32_t a = mesh_.triangles[t][k], d = mesh_.opposite(t, k);
     const auto before = edges_of(mesh_).all;
     REQUIRE(mesh_.has_edge(a, d) == (before.count(sorted(a, d)) == 1));
     if (a == d || before.count(sorted(a, d))) return false;
@@ -254,7 +254,7 @@ TEST_CASE("EditMesh: a flip and the flip back give the same edges, with the crea
     for (int k = 0; k < 3; ++k) {
       const std::int32_t n = mesh.neighbors[t][k];
       if (n < 0 || (mesh.creases[t] >> k & 1)) continue;
-      const std::uint32_t a = mesh.triangles[t][k], d = mesh.triangles[n][mesh.side(n, t)];
+      const std::uint32_t a = mesh.triangles[t][k], d = mesh.opposite(t, k);
       if (mesh.has_edge(a, d)) continue;
       mesh.flip(t, k);
       int back = 0;

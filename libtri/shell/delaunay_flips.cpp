@@ -11,7 +11,7 @@ namespace {
 /// Squared edge lengths over twice the area. Beyond the bound rounding would decide, and the same triangle taken from
 /// another corner could count as better for ever.
 double harmonic_index(const Vec3& a, const Vec3& b, const Vec3& c) {
-  constexpr double bound = 1e6;
+  constexpr double bound = 1e4;
   const Vec3 ab = b - a, ac = c - a;
   const double squares = ab.sqrnorm() + ac.sqrnorm() + (c - b).sqrnorm(), twice_area = (ab % ac).norm();
   return squares < bound * twice_area ? squares / twice_area : bound;
@@ -23,14 +23,13 @@ Vec3 model_normal(const EditMesh& mesh, std::uint32_t v) {
 }
 
 bool lowers_harmonic_index(const EditMesh& mesh, std::int32_t t, int k) {
-  const std::int32_t n = mesh.neighbors[t][k];
   const Triangle& q = mesh.triangles[t];
-  const std::uint32_t ia = q[k], ib = q[(k + 1) % 3], ic = q[(k + 2) % 3], id = mesh.triangles[n][mesh.side(n, t)];
+  const std::uint32_t ia = q[k], ib = q[(k + 1) % 3], ic = q[(k + 2) % 3], id = mesh.opposite(t, k);
   if (ia == id) return false;
   const Vec3 &a = mesh.vertices[ia].p, &b = mesh.vertices[ib].p, &c = mesh.vertices[ic].p, &d = mesh.vertices[id].p;
   const double before = harmonic_index(a, b, c) + harmonic_index(d, c, b);
   const double after = harmonic_index(a, b, d) + harmonic_index(a, d, c);
-  if (!(after < before * (1 - 1e-9))) return false;
+  if (!(after < before * (1 - 1e-8))) return false;
   // Where the model is smooth its normals judge the new triangles (a needle between scan lines has no normal worth comparing
   // with); elsewhere they must face as the old ones did.
   const Vec3 normal = model_normal(mesh, ia) + model_normal(mesh, ib) + model_normal(mesh, ic) + model_normal(mesh, id);
@@ -50,9 +49,8 @@ bool lowers_harmonic_index(const EditMesh& mesh, std::int32_t t, int k) {
 
 
 bool lowers_cost(const EditMesh& mesh, std::int32_t t, int k) {
-  const std::int32_t n = mesh.neighbors[t][k];
   const Triangle& q = mesh.triangles[t];
-  const std::uint32_t a = q[k], b = q[(k + 1) % 3], c = q[(k + 2) % 3], d = mesh.triangles[n][mesh.side(n, t)];
+  const std::uint32_t a = q[k], b = q[(k + 1) % 3], c = q[(k + 2) % 3], d = mesh.opposite(t, k);
   if (a == d) return false;
   const TriangleCost cost(mesh);
   if (!(cost(a, b, d) + cost(a, d, c) < (cost(a, b, c) + cost(d, c, b)) * (1 - 1e-7))) return false;

@@ -69,8 +69,8 @@ bool EditMesh::on_boundary(std::uint32_t v) const {
 
 void EditMesh::flip(std::int32_t t, int k) {
   const std::int32_t n = neighbors[t][k];
-  const int m = side(n, t);
   Triangle& q = triangles[t];
+  const int m = side(n, q[(k + 2) % 3], q[(k + 1) % 3]);
   Triangle& r = triangles[n];
   const std::uint32_t a = q[k], b = q[(k + 1) % 3], c = q[(k + 2) % 3], d = r[m];
   // t = (a,b,c) and n = (d,c,b) become t = (a,b,d) and n = (a,d,c).
@@ -79,14 +79,15 @@ void EditMesh::flip(std::int32_t t, int k) {
   const auto bit = [&](std::int32_t x, int i) { return static_cast<std::uint8_t>(creases[x] >> i & 1); };
   const std::uint8_t crease_ab = bit(t, (k + 2) % 3), crease_ca = bit(t, (k + 1) % 3);
   const std::uint8_t crease_bd = bit(n, (m + 1) % 3), crease_dc = bit(n, (m + 2) % 3);
+  const int bd_side = bd >= 0 ? side(bd, d, b) : 0, ca_side = ca >= 0 ? side(ca, a, c) : 0;
   q = {a, b, d};
   r = {a, d, c};
   neighbors[t] = {bd, n, ab};
   neighbors[n] = {dc, ca, t};
   creases[t] = static_cast<std::uint8_t>(crease_bd | crease_ab << 2);
   creases[n] = static_cast<std::uint8_t>(crease_dc | crease_ca << 1);
-  if (bd >= 0 && bd != t) neighbors[bd][side(bd, n)] = t;
-  if (ca >= 0 && ca != n) neighbors[ca][side(ca, t)] = n;
+  if (bd >= 0 && bd != t) neighbors[bd][bd_side] = t;
+  if (ca >= 0 && ca != n) neighbors[ca][ca_side] = n;
   vertex_triangle[a] = vertex_triangle[b] = vertex_triangle[d] = t;
   vertex_triangle[c] = n;
 }
@@ -108,11 +109,11 @@ std::uint32_t EditMesh::split_edge(std::int32_t t, int k, const Vertex& vertex) 
   triangles[t] = {a, b, m};
   neighbors[t] = {-1, t2, ab};
   creases[t] = static_cast<std::uint8_t>(crease | crease_ab << 2);
-  if (ca >= 0) neighbors[ca][side(ca, t)] = t2;
+  if (ca >= 0) neighbors[ca][side(ca, a, c)] = t2;
   vertex_triangle.push_back(t);
   vertex_triangle[c] = t2;
   if (n >= 0) {
-    const int j = side(n, t);
+    const int j = side(n, c, b);
     const std::uint32_t d = triangles[n][j];
     // n = (d,c,b) keeps (d,m,b); n2 = (d,c,m).
     const std::int32_t n2 = static_cast<std::int32_t>(triangles.size());
@@ -124,7 +125,7 @@ std::uint32_t EditMesh::split_edge(std::int32_t t, int k, const Vertex& vertex) 
     triangles[n] = {d, m, b};
     neighbors[n] = {t, bd, n2};
     creases[n] = static_cast<std::uint8_t>(crease | crease_bd << 1);
-    if (dc >= 0) neighbors[dc][side(dc, n)] = n2;
+    if (dc >= 0) neighbors[dc][side(dc, c, d)] = n2;
     neighbors[t][0] = n;
     neighbors[t2][0] = n2;
     vertex_triangle[d] = n;

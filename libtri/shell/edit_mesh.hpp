@@ -31,10 +31,16 @@ class EditMesh {
     const Triangle& q = triangles[t];
     return q[0] == v ? 0 : q[1] == v ? 1 : 2;
   }
-  /// Corner of `t` opposite the edge it shares with neighbour `n`.
-  int side(std::int32_t t, std::int32_t n) const {
-    const auto& q = neighbors[t];
-    return q[0] == n ? 0 : q[1] == n ? 1 : 2;
+  /// Corner of `t` opposite its edge from vertex `from` to vertex `to`. Vertices tell sides apart where neighbours cannot: two
+  /// triangles may share two edges.
+  int side(std::int32_t t, std::uint32_t from, std::uint32_t to) const {
+    const Triangle& q = triangles[t];
+    return q[1] == from && q[2] == to ? 0 : q[2] == from && q[0] == to ? 1 : 2;
+  }
+  /// The vertex of the neighbour across the edge opposite corner `k` of `t` that is not on that edge.
+  std::uint32_t opposite(std::int32_t t, int k) const {
+    const std::int32_t n = neighbors[t][k];
+    return triangles[n][side(n, triangles[t][(k + 2) % 3], triangles[t][(k + 1) % 3])];
   }
   /// Sets `vertex_triangle` from the triangles.
   void index_vertices();
@@ -60,11 +66,6 @@ class EditMesh {
 
   /// Replaces the star of `v` by `patch` (triangles over the ring's vertices, at most as many as the fan has) and removes `v`.
   void replace_star(std::uint32_t v, const Star& star, std::span<const Triangle> patch);
-
- private:
-  void set_neighbor(std::int32_t t, std::int32_t old_neighbor, std::int32_t new_neighbor) {
-    if (t >= 0) neighbors[t][side(t, old_neighbor)] = new_neighbor;
-  }
 };
 
 }  // namespace tri

@@ -312,6 +312,37 @@ void set_tessellation_normals(const Tessellation& mesh, std::vector<EditMesh::Ve
   }
 }
 
+void split_double_edges(EditMesh& mesh) {
+  struct Edge {
+    std::uint32_t a, b;
+    std::int32_t triangle;
+  };
+  std::vector<Edge> edges;
+  const auto from_model = [&](std::uint32_t v) { return mesh.vertices[v].point < 0; };
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.triangles[t][(k + 1) % 3], b = mesh.triangles[t][(k + 2) % 3];
+      // Each edge once: from its lower end, or from its only side.
+      if ((a < b || mesh.neighbors[t][k] < 0) && from_model(a) && from_model(b))
+        edges.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t)});
+    }
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
+    return x.a != y.a ? x.a < y.a : x.b != y.b ? x.b < y.b : x.triangle < y.triangle;
+  });
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const Edge& e = edges[i];
+    if (e.a != edges[i - 1].a || e.b != edges[i - 1].b) continue;
+    for (int k = 0; k < 3; ++k) {
+      const Triangle& q = mesh.triangles[e.triangle];
+      if (std::min(q[(k + 1) % 3], q[(k + 2) % 3]) != e.a || std::max(q[(k + 1) % 3], q[(k + 2) % 3]) != e.b) continue;
+      EditMesh::Vertex middle;
+      middle.p = (mesh.vertices[e.a].p + mesh.vertices[e.b].p) * 0.5;
+      mesh.split_edge(e.triangle, k, middle);
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 EditMesh insert_feet(const CadModel& model, const Tessellation& mesh, std::span<const Foot> feet, Context& context) {
@@ -372,6 +403,7 @@ EditMesh insert_feet(const CadModel& model, const Tessellation& mesh, std::span<
         out.creases[inner] |= static_cast<std::uint8_t>(1u << corner);
     }
   out.index_vertices();
+  split_double_edges(out);
   return out;
 }
 
