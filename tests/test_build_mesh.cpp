@@ -339,11 +339,41 @@ TEST_CASE("build_mesh: known neighbours give the same mesh, wrong ones are refus
   check_faithful(soup, known);
   BuiltMesh found = build(soup);
   CHECK(snapshot(view_of(known.mesh)) == snapshot(view_of(found.mesh)));
+  Mesh own;
+  CHECK(build_mesh_into(own, soup.points, soup.triangles, neighbors, context).empty());
+  CHECK(snapshot(view_of(own)) == snapshot(view_of(found.mesh)));
+  CHECK_THROWS_AS(build_mesh_into(own, soup.points, soup.triangles, neighbors, context), InvalidInput);
 
   std::swap(neighbors[5][0], neighbors[5][1]);
   CHECK_THROWS_AS(build_mesh(soup.points, soup.triangles, neighbors, context), InvalidInput);
   neighbors.pop_back();
   CHECK_THROWS_AS(build_mesh(soup.points, soup.triangles, neighbors, context), InvalidInput);
+}
+
+TEST_CASE("build_mesh: tens of thousands of triangles in any order give the same mesh on one thread and on all") {
+  Soup soup = soup_of(bumpy_grid(150, 150));
+  std::shuffle(soup.triangles.begin(), soup.triangles.end(), std::mt19937(7));
+  Context one, all;
+  one.threads = 1;
+  BuiltMesh serial = build_mesh(soup, one), parallel = build_mesh(soup, all);
+  CHECK(serial.report.vertices_added == 0);
+  CHECK_VALID_MESH(serial.mesh);
+  CHECK(snapshot(view_of(serial.mesh)) == snapshot(view_of(parallel.mesh)));
+  // Edges are numbered by their first side in the order of the triangles.
+  int next_edge = 0;
+  for (const FaceHandle f : serial.mesh.faces()) {
+    HalfedgeHandle h = serial.mesh.halfedge_handle(f);
+    REQUIRE(corners(serial, f) == soup.triangles[f.idx()]);
+    for (int k = 0; k < 3; ++k, h = serial.mesh.next_halfedge_handle(h)) {
+      const int edge = serial.mesh.edge_handle(h).idx();
+      REQUIRE(edge <= next_edge);
+      if (edge == next_edge) {
+        REQUIRE(h.idx() == 2 * edge);
+        ++next_edge;
+      }
+    }
+  }
+  CHECK(next_edge == static_cast<int>(serial.mesh.n_edges()));
 }
 
 TEST_CASE("build_mesh: an index out of range and an attribute of the wrong length are refused") {
