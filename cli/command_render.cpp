@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cli/commands.hpp"
+#include "cli/number_checks.hpp"
 #include "io/mesh_file.hpp"
 #include "io/points_file.hpp"
 #include "io/render.hpp"
@@ -100,7 +101,7 @@ void add_render_command(CLI::App& app, Program& program) {
       ->check(CLI::IsMember({"auto", "categories", "diverging", "sequential"}))
       ->capture_default_str();
   command->add_option("--range", a->range, "Colours end at this value of --by, and at minus it; default: 98% of the values")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   const auto vector_option = [&](const char* name, std::vector<double>& target, const char* help) {
     command->add_option(name, target, help)->delimiter(',')->expected(3)->type_name("X,Y,Z");
   };

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "cli/commands.hpp"
+#include "cli/number_checks.hpp"
 #include "io/cad_file.hpp"
 #include "io/json_file.hpp"
 #include "io/points_file.hpp"
@@ -88,13 +89,13 @@ void add_sample_command(CLI::App& app, Program& program) {
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   command->add_option("--noise", o.noise, "Standard deviation along the normal, mm")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("--outliers", o.outliers, "Share of points moved away by 1% to 10% of the part's diagonal")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--drop-out", o.drop_out_radius, "Radius in mm of the places that were not measured")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("--drop-outs", o.drop_outs, "How many such places, chosen at random")
       ->check(CLI::Range(0, 1000000))

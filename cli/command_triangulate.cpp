@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cli/commands.hpp"
+#include "cli/number_checks.hpp"
 #include "cli/triangulate_report.hpp"
 #include "io/cad_file.hpp"
 #include "io/json_file.hpp"
@@ -110,17 +111,17 @@ void add_triangulate_command(CLI::App& app, Program& program) {
       ->capture_default_str();
   command->add_option("--hole-size", a->hole_size, "A gap is a hole when it holds a disc of more than so many local point "
                                                    "spacings in radius")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command->add_option("--noise", a->noise, "Standard deviation of the measurement in mm: points farther than 6 of them from "
                                            "the model are outliers")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command->add_option("--outlier-distance", a->outlier_distance,
                       "Points farther than this from the model, in mm, are outliers; default: by the points' own spread")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->excludes("--noise");
   command->add_option("--units", a->units, "Millimetres per unit of the points file: 1000 for metres, 25.4 for inches")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command->add_option("--sew", a->sew, "Distance in mm at which loose CAD faces are joined")
       ->check(CLI::Range(1e-9, 1e9))
