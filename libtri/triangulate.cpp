@@ -11,6 +11,7 @@
 #include "libtri/patches.hpp"
 #include "libtri/point_classes.hpp"
 #include "libtri/point_mesh.hpp"
+#include "libtri/point_order.hpp"
 #include "libtri/registration.hpp"
 #include "libtri/shell/connect.hpp"
 #include "libtri/triangulation_checks.hpp"
@@ -247,13 +248,8 @@ void note_checks(const Candidate& candidate, TriangulateResult& result) {
   if (c.unused_points > 0) result.notes.push_back(fmt::format("{} points could not be connected", c.unused_points));
 }
 
-}  // namespace
-
-TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> points, const TriangulateOptions& options,
-                              Context& context) {
-  validate(points, options);
-  TriangulateResult result;
-  Stopwatch watch(result);
+void triangulate_sorted(const CadModel& model, std::span<const Vec3> points, const TriangulateOptions& options,
+                        TriangulateResult& result, Stopwatch& watch, Context& context) {
 
   const Registration registration(model);
   std::vector<Foot> feet = registration.register_points(points, context);
@@ -288,6 +284,42 @@ TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> point
   if (options.keep_patches) to_mesh(model, points, feet, std::move(best.patches), result.patches.emplace(), context);
   note_checks(best, result);
   watch.lap("build mesh");
+}
+
+/// Turns indices into the sorted points into indices into the points as given.
+void name_points_as_given(TriangulateResult& result, std::span<const std::uint32_t> order) {
+  for (auto* indices : {&result.outliers, &result.duplicates}) {
+    for (std::uint32_t& i : *indices) i = order[i];
+    std::sort(indices->begin(), indices->end());
+  }
+  for (Mesh* mesh : {&result.mesh, result.patches ? &*result.patches : nullptr}) {
+    OpenMesh::VPropHandleT<int> point_index;
+    if (!mesh || !mesh->get_property_handle(point_index, property::point_index)) continue;
+    for (std::size_t v = 0; v < mesh->n_vertices(); ++v) {
+      int& index = mesh->property(point_index, VertexHandle(static_cast<int>(v)));
+      index = static_cast<int>(order[static_cast<std::size_t>(index)]);
+    }
+  }
+}
+
+}  // namespace
+
+TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> points, const TriangulateOptions& options,
+                              Context& context) {
+  validate(points, options);
+  TriangulateResult result;
+  Stopwatch watch(result);
+  // Unordered points are put in the order of a space-filling curve once: every later step then finds neighbours in space near
+  // each other in memory. Equal points keep their order, so the earliest of them still counts.
+  Vec3 low = points.empty() ? Vec3(0, 0, 0) : points[0], high = low;
+  for (const Vec3& p : points) low.minimize(p), high.maximize(p);
+  const std::vector<std::uint32_t> order = morton_order(points, low, high);
+  std::vector<Vec3> sorted;
+  sorted.reserve(points.size());
+  for (const std::uint32_t i : order) sorted.push_back(points[i]);
+  watch.lap("sort points");
+  triangulate_sorted(model, sorted, options, result, watch, context);
+  name_points_as_given(result, order);
   return result;
 }
 

@@ -83,8 +83,9 @@ struct TriangulateResult {
 /// Triangulates unordered points measured on a CAD model: registers each on the model, connects them by the model's
 /// surface, and returns one mesh through the points [Ristic, Brujic & Handayani 2000, steps (b) to (g)].
 ///
-/// Every point that is not reported as an outlier or duplicate is a vertex exactly once, at its measured position. The
-/// result does not depend on the number of threads.
+/// Every point that is not reported as an outlier or duplicate is a vertex exactly once, at its measured position. Vertices are
+/// in the order of a space-filling curve; their property `point_index` names the point. The result does not depend on the
+/// number of threads.
 ///
 /// @param points  mm, in the model's frame, any order
 /// @throws InvalidInput if an option is out of range, a coordinate is not finite, fewer than three distinct points are
