@@ -131,7 +131,6 @@ struct Candidate {
   std::vector<Report> steps;
 
   bool right_topology() const { return checks.mesh == checks.model && checks.unused_points == 0; }
-  std::uint64_t defects() const { return checks.self_intersections + checks.folds + checks.turned; }
   /// Nothing crosses, and folds are so few that another method is not worth its time.
   bool clean() const {
     return right_topology() && checks.self_intersections == 0 &&
@@ -141,7 +140,9 @@ struct Candidate {
   bool better_than(const Candidate& other) const {
     if (checks.unused_points != other.checks.unused_points) return checks.unused_points < other.checks.unused_points;
     if (right_topology() != other.right_topology()) return right_topology();
-    return defects() < other.defects();
+    if (checks.self_intersections != other.checks.self_intersections)
+      return checks.self_intersections < other.checks.self_intersections;
+    return checks.folds + checks.turned < other.checks.folds + other.checks.turned;
   }
 };
 
