@@ -103,7 +103,7 @@ void add_triangulate_command(CLI::App& app, Program& program) {
   command->add_option("--patches", a->patches, "Also write the mesh before stitching: one patch for each CAD face")
       ->type_name("FILE");
   command->add_option("--method", a->method, "patches: Delaunay on each face, stitched at the edges; shell: insertion into the "
-                                             "model's own triangulation; auto: the better by its own checks")
+                                             "model's own triangulation; auto: patches, and where its checks find something the better of both")
       ->check(CLI::IsMember({"auto", "patches", "shell"}))
       ->capture_default_str();
   command->add_option("--unmeasured", a->unmeasured, "Where nothing was measured: leave a hole, or span it by long triangles")

@@ -17,7 +17,7 @@ namespace tri {
 
 /// How the points are connected.
 enum class Method {
-  automatic,  ///< both are judged by the same checks and the better is kept
+  automatic,  ///< patches; shell too if the checks of the result find something, and the better is kept
   patches,    ///< Delaunay per face in (u,v), stitched along the model's edges [Ristic et al. 2000]
   shell,      ///< insertion into the model's own sewn triangulation
 };

@@ -11,6 +11,7 @@
 #include "libtri/patches.hpp"
 #include "libtri/shape_occt.hpp"
 #include "libtri/virtual_measurement.hpp"
+#include "measured_part.hpp"
 #include "meshops/error.hpp"
 #include "occt_parts.hpp"
 
@@ -34,19 +35,7 @@ Measured measured(const Shape& shape, std::uint64_t n, SamplingPattern pattern =
   options.noise = noise;
   const VirtualMeasurement m = measure(shape, options, context);
   Measured result{make_cad_model(shape), m.points, {}};
-  std::map<int, int> position;
-  for (std::size_t f = 0; f < result.model.faces.size(); ++f)
-    position[result.model.faces[f].index] = static_cast<int>(f);
-  for (std::size_t i = 0; i < m.points.size(); ++i) {
-    const TruePoint& t = m.truth[i];
-    Foot foot;
-    foot.point = t.point;
-    foot.uv = t.uv;
-    foot.face = position.at(t.face);
-    for (int k = 0; k < 3; ++k) foot.normal[k] = static_cast<float>(t.normal[k]);
-    foot.deviation = (m.points[i] - t.point) | t.normal;
-    result.feet.push_back(foot);
-  }
+  result.feet = test::true_feet(result.model, m);
   return result;
 }
 

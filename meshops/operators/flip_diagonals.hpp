@@ -15,7 +15,8 @@ struct FlipDiagonalsOptions {
 
 /// Chooses the better diagonal of each quadrilateral of two triangles [Ristic, Brujic & Handayani 2000, step (g)].
 ///
-/// If the two normals differ by more than `sharp_angle`, the smoother diagonal is better [Choi, Shin, Yoon & Lee 1988]:
+/// If the two normals differ by more than `sharp_angle`, the smoother diagonal is better, in the
+/// sense of [Choi, Shin, Yoon & Lee 1988] but by a formula of our own:
 /// the one with the smaller sum, over itself and the four sides, of the angles between the normals of the triangles
 /// that meet there. Only what exceeds `sharp_angle` counts in the sum, so that where radii are small against the point
 /// spacing [the case of Oblonsek & Guid 1998] several moderate bends are preferred to one crease, and bends that are
