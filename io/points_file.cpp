@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "io/atomic_file.hpp"
 #include "io/input_file.hpp"
@@ -58,17 +57,10 @@ PointSet from_mesh(std::string_view bytes, const std::string& name, Context& con
   for (const auto& scalar : soup.vertex_scalars) ignored += (ignored.empty() ? "" : ", ") + scalar.first;
   if (!soup.vertex_colors.empty()) ignored += (ignored.empty() ? "" : ", ") + std::string("colours");
   if (!ignored.empty()) info.notes.push_back("properties ignored: " + ignored);
-  return {std::move(soup.points), std::move(soup.vertex_normals)};
-}
-
-void check(const PointSet& set) {
-  if (!set.normals.empty() && set.normals.size() != set.points.size())
-    throw InvalidInput(fmt::format("{} normals for {} points", set.normals.size(), set.points.size()));
-  for (const auto* vectors : {&set.points, &set.normals})
-    for (std::size_t i = 0; i < vectors->size(); ++i)
-      for (int k = 0; k < 3; ++k)
-        if (!std::isfinite((*vectors)[i][k]))
-          throw InvalidInput(fmt::format("point {} or its normal is not finite", i));
+  PointSet set;
+  set.points = std::move(soup.points);
+  set.normals = std::move(soup.vertex_normals);
+  return set;
 }
 
 void write_text(AtomicFile& file, const PointSet& set, char separator, Context& context) {
@@ -123,7 +115,7 @@ void write_points(const std::string& path, const PointSet& set, Context& context
   if (!blanks && extension != "csv" && extension != "ply")
     throw InvalidInput(
         fmt::format("{}: points are written as .xyz, .txt, .asc, .csv or .ply, not \".{}\"", path, extension));
-  check(set);
+  validate(set);
   if (extension == "ply") {
     Soup soup;
     soup.points = set.points;

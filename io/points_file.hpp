@@ -6,17 +6,9 @@
 #include <vector>
 
 #include "meshops/context.hpp"
-#include "meshops/vec.hpp"
+#include "meshops/point_set.hpp"
 
 namespace tri {
-
-/// Measured points in the order of their file.
-struct PointSet {
-  std::vector<Vec3> points;
-  /// As the file gives them, unit length where it says so; empty, or points.size() entries. (0,0,0) where a file says
-  /// NaN.
-  std::vector<Vec3> normals;
-};
 
 enum class PointsFormat { text, ply, pcd, mesh };
 
