@@ -10,7 +10,7 @@
 #include <cmath>
 #include <thread>
 
-#include "libtri/box_tree.hpp"
+#include "meshops/box_tree.hpp"
 #include "libtri/curve_piece.hpp"
 #include "libtri/outward_normals.hpp"
 #include "libtri/point_order.hpp"

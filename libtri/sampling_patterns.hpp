@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "libtri/random_stream.hpp"
+#include "meshops/random_stream.hpp"
 #include "libtri/sampling_model.hpp"
 
 namespace tri {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "libtri/box_tree.hpp"
+#include "meshops/box_tree.hpp"
 #include "libtri/cad_model.hpp"
 #include "libtri/trim_region.hpp"
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "meshops/closest_on_triangle.hpp"
+
 namespace tri {
 namespace {
 
@@ -21,30 +23,6 @@ bool ray_meets(const std::array<Vec3, 3>& t, const Vec3& origin, const Vec3& dir
   const Vec3 q = s % e1;
   const double v = (direction | q) / det;
   return v >= 0 && u + v <= 1 && (e2 | q) / det > 0;
-}
-
-// Ericson, Real-Time Collision Detection (2005), 5.1.5.
-double squared_distance(const std::array<Vec3, 3>& t, const Vec3& x) {
-  const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = x - t[0];
-  const double d1 = ab | ap, d2 = ac | ap;
-  if (d1 <= 0 && d2 <= 0) return ap.sqrnorm();
-  const Vec3 bp = x - t[1];
-  const double d3 = ab | bp, d4 = ac | bp;
-  if (d3 >= 0 && d4 <= d3) return bp.sqrnorm();
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return (ap - ab * (d1 > d3 ? d1 / (d1 - d3) : 0)).sqrnorm();
-  const Vec3 cp = x - t[2];
-  const double d5 = ab | cp, d6 = ac | cp;
-  if (d6 >= 0 && d5 <= d6) return cp.sqrnorm();
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return (ap - ac * (d2 > d6 ? d2 / (d2 - d6) : 0)).sqrnorm();
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) {
-    const double along = d4 - d3, sum = along + (d5 - d6);
-    return (bp - (t[2] - t[1]) * (sum > 0 ? along / sum : 0)).sqrnorm();
-  }
-  const double sum = va + vb + vc;
-  return (ap - ab * (vb / sum) - ac * (vc / sum)).sqrnorm();
 }
 
 }  // namespace
@@ -147,7 +125,7 @@ bool TriangleTree::nearer_than(const Vec3& point, double distance) const {
       continue;
     }
     for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
-      if (squared_distance(corners_[t], point) < limit) return true;
+      if ((closest_on_triangle(corners_[t], point) - point).sqrnorm() < limit) return true;
     }
   }
   return false;

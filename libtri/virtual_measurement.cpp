@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-#include "libtri/random_stream.hpp"
+#include "meshops/random_stream.hpp"
 #include "libtri/sampling_model.hpp"
 #include "libtri/sampling_patterns.hpp"
 #include "libtri/triangle_tree.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "libtri/random_stream.hpp"
+#include "meshops/random_stream.hpp"
 
 using namespace tri;
 

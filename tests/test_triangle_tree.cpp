@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libtri/random_stream.hpp"
+#include "meshops/random_stream.hpp"
 #include "libtri/triangle_tree.hpp"
 
 using namespace tri;

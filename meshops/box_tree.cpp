@@ -1,4 +1,4 @@
-#include "libtri/box_tree.hpp"
+#include "meshops/box_tree.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "libtri/random_stream.hpp"
+#include "meshops/random_stream.hpp"
 
 #include <cmath>
 
