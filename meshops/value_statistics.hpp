@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "meshops/context.hpp"
+
+namespace tri {
+
+/// A band of values that are as they should be, both ends included; low <= high.
+struct Tolerance {
+  double low = 0, high = 0;
+
+  bool holds(double value) const { return value >= low && value <= high; }
+  /// By how much `value` is outside; negative inside.
+  double excess(double value) const { return value > 0.5 * low + 0.5 * high ? value - high : low - value; }
+};
+
+/// What a list of numbers is like. All in the numbers' own unit; all but `count` are 0 if there is none.
+struct ValueStatistics {
+  std::uint64_t count = 0;
+  double mean = 0;
+  double rms = 0;                 ///< root of the mean square
+  double standard_deviation = 0;  ///< about the mean, over count - 1; 0 for a single value
+  double min = 0, max = 0;
+  std::size_t min_index = 0, max_index = 0;  ///< the first value that is least, greatest
+  double p5 = 0, median = 0, p95 = 0;        ///< percentiles, interpolated linearly between the sorted values
+  std::uint64_t in_tolerance = 0;            ///< 0 without a tolerance
+};
+
+/// Sums run over blocks of fixed size that are merged in order by the update formulas of Chan, Golub & LeVeque (1983), which
+/// do not cancel however far the mean is from 0; the result is the same for any number of threads.
+/// @param values  finite
+/// @throws Cancelled
+ValueStatistics value_statistics(std::span<const double> values, const std::optional<Tolerance>& tolerance,
+                                 const Context& context);
+
+/// The value that `share` (0 to 1) of `values` do not exceed, interpolated linearly; 0 if there is none. Reorders `values`.
+double percentile(std::span<double> values, double share);
+
+/// How many values fall into each of equally wide bins from `low` to `high`.
+struct Histogram {
+  double low = 0, high = 0;
+  std::vector<std::uint64_t> bins;  ///< a value on a border counts above it, `high` itself in the last bin
+  std::uint64_t below = 0, above = 0;
+};
+
+/// @param bins  at least 1
+/// @throws InvalidInput unless low < high and bins >= 1
+Histogram histogram(std::span<const double> values, double low, double high, int bins);
+
+}  // namespace tri
