@@ -1,13 +1,14 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "cli/commands.hpp"
 #include "cli/number_checks.hpp"
+#include "cli/points_input.hpp"
 #include "io/mesh_file.hpp"
-#include "io/points_file.hpp"
 #include "io/render.hpp"
+#include "meshops/point_soup.hpp"
 
 namespace tri::cli {
 namespace {
@@ -15,13 +16,16 @@ namespace {
 struct Arguments {
   std::string input, output;
   RenderOptions options;
+  PointUnits units;
   std::vector<double> view, up, center;
   std::string size = "1200x900", palette = "auto";
   double range = 0;
   bool json = false;
 };
 
-Vec3 to_vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+Vec3 to_vec3(const std::vector<double>& v) {
+  return {v[0], v[1], v[2]};
+}
 
 void parse_size(const std::string& text, RenderOptions& options) {
   int used = 0;
@@ -47,17 +51,15 @@ std::string legend(const Rendering& r, const std::string& by) {
   return "";
 }
 
-Soup read_drawable(const std::string& path, Context& context) {
-  if (kind_of(path) != "points") return read_mesh(path, context);
-  Soup soup;
-  soup.points = read_points(path, context).points;
-  return soup;
+Soup read_drawable(const Arguments& a, Program& program) {
+  if (kind_of(a.input) != "points") return read_mesh(a.input, program.context);
+  return to_soup(read_points_in_mm(a.input, a.units, program));
 }
 
 int run(const Arguments& arguments, Program& program) {
   check_output(arguments.output);
   Context& context = program.context;
-  const Soup soup = read_drawable(arguments.input, context);
+  const Soup soup = read_drawable(arguments, program);
   const std::string& by = arguments.options.by;
   const bool known = by.empty() || by == "none" || soup.vertex_scalars.contains(by) || soup.face_scalars.contains(by);
   const auto draw = [&] { return render(soup, arguments.options, context); };
@@ -75,9 +77,9 @@ int run(const Arguments& arguments, Program& program) {
                                         {"back", r.back}});
   } else {
     const bool dots = soup.triangles.empty();
-    std::string text = fmt::format("{}: {} x {} pixels, {} {}\n", arguments.output, r.picture.width, r.picture.height,
-                                   with_commas(dots ? soup.points.size() : soup.triangles.size()),
-                                   dots ? "points" : "triangles");
+    std::string text =
+        fmt::format("{}: {} x {} pixels, {} {}\n", arguments.output, r.picture.width, r.picture.height,
+                    with_commas(dots ? soup.points.size() : soup.triangles.size()), dots ? "points" : "triangles");
     text += legend(r, arguments.options.by);
     if (r.back > 0) text += fmt::format("{:.1f}% of what is seen are backs of triangles (brown)\n", 100 * r.back);
     print_result(text);
@@ -90,17 +92,25 @@ int run(const Arguments& arguments, Program& program) {
 void add_render_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("render", "Draw a mesh into a PNG picture; needs no display");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("mesh", a->input, "Mesh: PLY, STL, OBJ or OFF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")->required();
+  command
+      ->add_option("mesh", a->input,
+                   "Mesh: PLY, STL, OBJ or OFF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")
+      ->required();
   command->add_option("-o,--output", a->output, "Picture to write, .png")->required();
   command->add_flag("--edges", a->options.edges, "Draw the edges of the triangles, and rims in red");
   command->add_flag("--smooth", a->options.smooth, "Shade smoothly instead of triangle by triangle");
-  command->add_option("--by", a->options.by,
-                      "Colour by this vertex or face property, say cad_face or deviation; \"none\" ignores the file's colours");
-  command->add_option("--palette", a->palette, "How --by turns numbers into colours; auto: whole numbers by category, "
-                                               "numbers of both signs diverging, others sequential")
+  command->add_option(
+      "--by", a->options.by,
+      "Colour by this vertex or face property, say cad_face or deviation; \"none\" ignores the file's colours");
+  command
+      ->add_option("--palette", a->palette,
+                   "How --by turns numbers into colours; auto: whole numbers by category, "
+                   "numbers of both signs diverging, others sequential")
       ->check(CLI::IsMember({"auto", "categories", "diverging", "sequential"}))
       ->capture_default_str();
-  command->add_option("--range", a->range, "Colours end at this value of --by, and at minus it; default: 98% of the values")
+  command
+      ->add_option("--range", a->range,
+                   "Colours end at this value of --by, and at minus it; default: 98% of the values")
       ->check(above_zero());
   const auto vector_option = [&](const char* name, std::vector<double>& target, const char* help) {
     command->add_option(name, target, help)->delimiter(',')->expected(3)->type_name("X,Y,Z");
@@ -113,6 +123,7 @@ void add_render_command(CLI::App& app, Program& program) {
       ->capture_default_str();
   command->add_flag("--perspective", a->options.perspective, "Perspective instead of parallel view");
   command->add_option("--size", a->size, "Pixels, WIDTHxHEIGHT")->capture_default_str();
+  add_units_option(*command, a->units);
   command->add_flag("--json", a->json, "Say what was drawn as JSON on standard output");
   add_common_options(*command, program);
   command->footer(

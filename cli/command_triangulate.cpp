@@ -5,11 +5,11 @@
 
 #include "cli/commands.hpp"
 #include "cli/number_checks.hpp"
+#include "cli/points_input.hpp"
 #include "cli/triangulate_report.hpp"
 #include "io/cad_file.hpp"
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
-#include "io/points_file.hpp"
 #include "libtri/triangulate.hpp"
 #include "meshops/to_soup.hpp"
 
@@ -18,20 +18,21 @@ namespace {
 
 struct Arguments {
   std::string cad, points, output, report, patches, method = "auto", unmeasured = "hole";
-  double hole_size = 3, noise = 0, outlier_distance = 0, sew = 0.01, units = 1;
+  double hole_size = 3, noise = 0, outlier_distance = 0, sew = 0.01;
+  PointUnits units;
   bool ascii = false, json = false;
 };
 
-nlohmann::ordered_json options_json(const Arguments& a) {
+nlohmann::ordered_json options_json(const Arguments& a, const PointsFileInfo& file) {
   nlohmann::ordered_json json{{"cad", a.cad},
                               {"points", a.points},
                               {"method", a.method},
                               {"unmeasured", a.unmeasured},
                               {"hole_size", a.hole_size},
                               {"sew", a.sew},
-                              {"units", a.units},
                               {"outlier_distance", nullptr}};
   if (a.outlier_distance > 0) json["outlier_distance"] = a.outlier_distance;
+  json.update(to_json(a.units, file));
   return json;
 }
 
@@ -69,13 +70,12 @@ int run(const Arguments& a, Program& program) {
   for (const std::string& path : {a.output, a.report, a.patches})
     if (!path.empty()) check_output(path);
   const CadModel model = read_model(a, program);
-  PointSet set = read_points(a.points, context);
-  if (a.units != 1)
-    for (Vec3& p : set.points) p *= a.units;
+  PointsFileInfo file;
+  const PointSet set = read_points_in_mm(a.points, a.units, program, &file);
   TriangulateResult result = triangulate(model, set.points, options_of(a), context);
   context.checkpoint();
 
-  const auto report = triangulate_report(result, model, set.points.size(), options_json(a));
+  const auto report = triangulate_report(result, model, set.points.size(), options_json(a, file));
   if (result.patches) write(a.patches, *result.patches, a, program);
   write(a.output, result.mesh, a, program);
   if (!a.report.empty()) write_json(a.report, report);
@@ -120,9 +120,7 @@ void add_triangulate_command(CLI::App& app, Program& program) {
                       "Points farther than this from the model, in mm, are outliers; default: by the points' own spread")
       ->check(above_zero())
       ->excludes("--noise");
-  command->add_option("--units", a->units, "Millimetres per unit of the points file: 1000 for metres, 25.4 for inches")
-      ->check(above_zero())
-      ->capture_default_str();
+  add_units_option(*command, a->units);
   command->add_option("--sew", a->sew, "Distance in mm at which loose CAD faces are joined")
       ->check(CLI::Range(1e-9, 1e9))
       ->capture_default_str();
@@ -139,7 +137,7 @@ void add_triangulate_command(CLI::App& app, Program& program) {
   command->callback([a, &program] {
     require_extension(a->output, mesh_extensions, "the mesh");
     if (!a->patches.empty()) require_extension(a->patches, mesh_extensions, "the mesh before stitching");
-    for (const double value : {a->hole_size, a->noise, a->outlier_distance, a->units})
+    for (const double value : {a->hole_size, a->noise, a->outlier_distance})
       if (!std::isfinite(value)) throw UsageError("an option is not a finite number");
     if (a->noise > 0) a->outlier_distance = 6 * a->noise;
     program.action = [a, &program] { return run(*a, program); };

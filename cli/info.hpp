@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/points_input.hpp"
 #include "meshops/context.hpp"
 #include "meshops/vec.hpp"
 
@@ -26,9 +27,9 @@ void add_box(Info& info, const Vec3& low, const Vec3& high);
 /// Each reads a file of its kind.
 /// @throws IoError, CadError, Cancelled
 Info mesh_info(const std::string& path, Context& context);
-Info points_info(const std::string& path, Context& context);
+/// Lengths are in millimetres.
+Info points_info(const std::string& path, const PointUnits& units, Program& program);
 /// @param sew_tolerance mm
 Info cad_info(const std::string& path, double sew_tolerance, Context& context);
-
 
 }  // namespace tri::cli

@@ -11,6 +11,7 @@
 #include "io/points_formats.hpp"
 #include "io/text_number.hpp"
 #include "meshops/error.hpp"
+#include "meshops/point_soup.hpp"
 
 namespace tri {
 namespace {
@@ -53,14 +54,7 @@ PointSet from_mesh(std::string_view bytes, const std::string& name, Context& con
   if (!soup.triangles.empty())
     info.notes.push_back(
         fmt::format("{} triangles were left out: their vertices are the points", soup.triangles.size()));
-  std::string ignored;
-  for (const auto& scalar : soup.vertex_scalars) ignored += (ignored.empty() ? "" : ", ") + scalar.first;
-  if (!soup.vertex_colors.empty()) ignored += (ignored.empty() ? "" : ", ") + std::string("colours");
-  if (!ignored.empty()) info.notes.push_back("properties ignored: " + ignored);
-  PointSet set;
-  set.points = std::move(soup.points);
-  set.normals = std::move(soup.vertex_normals);
-  return set;
+  return to_points(std::move(soup));
 }
 
 void write_text(AtomicFile& file, const PointSet& set, char separator, Context& context) {
@@ -117,10 +111,7 @@ void write_points(const std::string& path, const PointSet& set, Context& context
         fmt::format("{}: points are written as .xyz, .txt, .asc, .csv or .ply, not \".{}\"", path, extension));
   validate(set);
   if (extension == "ply") {
-    Soup soup;
-    soup.points = set.points;
-    soup.vertex_normals = set.normals;
-    write_mesh(path, soup, {}, context);
+    write_mesh(path, to_soup(set), {}, context);
     return;
   }
   AtomicFile file(path);

@@ -16,6 +16,8 @@ enum class PointsFormat { text, ply, pcd, mesh };
 struct PointsFileInfo {
   PointsFormat format = PointsFormat::text;
   std::uint64_t bytes = 0;  ///< size of the file
+  /// Unit of the coordinates where the format defines one ("m" for E57), in the names of the command line; else empty.
+  std::string unit;
   std::uint64_t points_skipped =
       0;  ///< PCD only: points all of whose coordinates are NaN, which marks them as not measured
   /// Header lines, ignored columns, how normals were recognised …: one sentence each.

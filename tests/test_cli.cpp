@@ -289,3 +289,29 @@ TEST_CASE("tri render: an unknown property is refused, naming those that there a
   CHECK(contains(outcome.err, "deviation"));
   CHECK(folder.entries() == std::vector<std::string>{"in.obj"});
 }
+
+TEST_CASE("tri info: --units turns points into millimetres, by name or by number, and reports say so") {
+  const TemporaryFolder folder;
+  folder.make("p.xyz", "0 0 0\n1 0 0\n0 2 0\n");
+  const auto info = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"info", "p.xyz", "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Outcome outcome = run_tri(words, folder.path());
+    REQUIRE(outcome.exit_code == 0);
+    return json::parse(outcome.out);
+  };
+  const std::vector<std::pair<std::string, double>> factors{
+      {"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 0.001}, {"inch", 25.4}, {"ft", 304.8}, {"25.4", 25.4}, {"1e3", 1000}};
+  for (const auto& [name, factor] : factors) {
+    CAPTURE(name);
+    const json report = info({"--units", name});
+    CHECK(report["units"] == name);
+    CHECK(report["mm_per_unit"] == factor);
+    CHECK(report["box_max"][1].get<double>() == doctest::Approx(2 * factor));
+  }
+  CHECK(info({})["mm_per_unit"] == 1);
+  for (const char* wrong : {"furlong", "0", "-1", "inf", "nan", ""})
+    check_refused(run_tri({"info", "p.xyz", "--units", wrong}, folder.path()), 2);
+  folder.make("m.obj", sheet_with_hole());
+  check_refused(run_tri({"info", "m.obj", "--units", "m"}, folder.path()), 2);
+}

@@ -195,7 +195,7 @@ TEST_CASE("points: PLY and meshes give their vertices") {
   CHECK(set.points == two);
   CHECK(set.normals == std::vector<Vec3>{{0, 0, 1}, {1, 0, 0}});
   CHECK(info.format == PointsFormat::ply);
-  CHECK(has_note(info.notes, "quality"));
+  CHECK(set.scalars.at("quality") == std::vector<double>{7, 7});
   CHECK(points_of("v 1.5 -2 3\nv 4 5.25 -0.125\n", "a.obj", &info).points == two);
   CHECK(info.format == PointsFormat::mesh);
   CHECK(refused_points("OFF\n0 0 0\n", "a.off").unit() == IoError::Unit::none);

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/program.hpp"
+#include "io/points_file.hpp"
+#include "meshops/point_set.hpp"
+
+namespace tri::cli {
+
+/// The `--units` of every command that reads points: shared, so that they mean the same everywhere.
+struct PointUnits {
+  std::string given = "auto";  ///< a name ("inch"), millimetres per unit ("25.4"), or "auto"
+};
+
+/// Adds --units to a command.
+void add_units_option(CLI::App& command, PointUnits& units);
+
+/// What one unit is, in millimetres: mm, cm, dm, m, km, um, nm, in, inch, ft, foot, yd, mil, thou or a number above 0.
+/// "auto" is 0: the file decides. @throws UsageError naming what is allowed.
+double millimetres_per(const std::string& unit);
+
+/// Points of a file, in millimetres. With "auto" a format that defines its unit (E57: metres) is converted, and a note
+/// on standard error says so; any other file is taken to be in millimetres.
+/// @param info receives what is known about the file @throws as `read_points`
+PointSet read_points_in_mm(const std::string& path, const PointUnits& units, Program& program,
+                           PointsFileInfo* info = nullptr);
+
+/// For reports: {"units": as given, "mm_per_unit": the factor that was applied}.
+nlohmann::ordered_json to_json(const PointUnits& units, const PointsFileInfo& info);
+
+/// The factor for this file.
+double factor_of(const PointUnits& units, const PointsFileInfo& info);
+
+}  // namespace tri::cli
