@@ -1,14 +1,12 @@
 #include "meshops/value_statistics.hpp"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#include <tbb/info.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "meshops/error.hpp"
+#include "meshops/for_each_block.hpp"
 
 namespace tri {
 namespace {
@@ -68,23 +66,15 @@ ValueStatistics value_statistics(std::span<const double> values, const std::opti
                                  const Context& context) {
   ValueStatistics result;
   if (values.empty()) return result;
-  const std::size_t blocks = (values.size() + block_size - 1) / block_size;
-  std::vector<Moments> partial(blocks);
-  tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, tbb::info::default_concurrency())
-                                            : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-      if (context.cancelled()) return;
-      Moments m;
-      const std::size_t end = std::min(values.size(), (b + 1) * block_size);
-      for (std::size_t i = b * block_size; i < end; ++i) {
-        m.add(values[i], i);
-        if (tolerance && tolerance->holds(values[i])) ++m.inside;
-      }
-      partial[b] = m;
-    });
+  std::vector<Moments> partial((values.size() + block_size - 1) / block_size);
+  for_each_block(context, "", values.size(), block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    Moments m;
+    for (std::size_t i = begin; i < end; ++i) {
+      m.add(values[i], i);
+      if (tolerance && tolerance->holds(values[i])) ++m.inside;
+    }
+    partial[block] = m;
   });
-  context.checkpoint();
   Moments all;
   for (const Moments& m : partial) all.merge(m);
   result.count = values.size();
@@ -119,6 +109,36 @@ Histogram histogram(std::span<const double> values, double low, double high, int
     }
   }
   return result;
+}
+
+double range_to_show(std::span<const double> values) {
+  std::vector<double> sizes;
+  sizes.reserve(values.size());
+  for (const double v : values) sizes.push_back(std::abs(v));
+  const double most = percentile(sizes, 0.98);
+  if (!(most > 0)) return 0;
+  // The decimal that is meant, not a product that misses it by a rounding.
+  const int exponent = static_cast<int>(std::floor(std::log10(most))) - 1;
+  const double power = std::pow(10.0, std::abs(exponent));
+  const double digits = std::ceil(exponent < 0 ? most * power : most / power);
+  return exponent < 0 ? digits / power : digits * power;
+}
+
+std::vector<std::uint32_t> worst_places(std::span<const Vec3> points, std::span<const double> severity, double radius,
+                                        std::size_t count) {
+  std::vector<std::uint32_t> chosen;
+  std::vector<double> left(severity.begin(), severity.end());
+  for (double& s : left)
+    if (std::isnan(s)) s = -std::numeric_limits<double>::infinity();
+  while (chosen.size() < count && !left.empty()) {
+    const auto worst = std::max_element(left.begin(), left.end());
+    if (!(*worst > -std::numeric_limits<double>::infinity())) break;
+    const auto index = static_cast<std::uint32_t>(worst - left.begin());
+    chosen.push_back(index);
+    for (std::size_t i = 0; i < left.size(); ++i)
+      if ((points[i] - points[index]).norm() <= radius) left[i] = -std::numeric_limits<double>::infinity();
+  }
+  return chosen;
 }
 
 }  // namespace tri

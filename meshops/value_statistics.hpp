@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "meshops/context.hpp"
+#include "meshops/vec.hpp"
 
 namespace tri {
 
@@ -40,6 +41,10 @@ ValueStatistics value_statistics(std::span<const double> values, const std::opti
 /// The value that `share` (0 to 1) of `values` do not exceed, interpolated linearly; 0 if there is none. Reorders `values`.
 double percentile(std::span<double> values, double share);
 
+/// Half the width of a range about 0 to show `values` in: what 98% of them do not exceed in size, rounded up to two digits so
+/// that it reads well. 0 if there is none or all are 0.
+double range_to_show(std::span<const double> values);
+
 /// How many values fall into each of equally wide bins from `low` to `high`.
 struct Histogram {
   double low = 0, high = 0;
@@ -50,5 +55,13 @@ struct Histogram {
 /// @param bins  at least 1
 /// @throws InvalidInput unless low < high and bins >= 1
 Histogram histogram(std::span<const double> values, double low, double high, int bins);
+
+/// The places where a surface is worst: the place of greatest `severity` first, then the greatest of those farther than
+/// `radius` from all before, and so on.
+/// @param severity  one per point; NaN and minus infinity are never chosen
+/// @param radius    >= 0, model units
+/// @return at most `count` indices into `points`
+std::vector<std::uint32_t> worst_places(std::span<const Vec3> points, std::span<const double> severity, double radius,
+                                        std::size_t count);
 
 }  // namespace tri

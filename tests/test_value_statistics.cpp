@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -94,4 +95,27 @@ TEST_CASE("Tolerance: both ends belong to it, and the excess is the distance fro
   CHECK(t.excess(-0.5) == doctest::Approx(0.4));
   CHECK(t.excess(0.3) == 0);
   CHECK(t.excess(0.2) < 0);
+}
+
+TEST_CASE("range_to_show: what 98% do not exceed, in two digits") {
+  std::vector<double> values;
+  for (int i = 0; i <= 100; ++i) values.push_back((i % 2 == 0 ? -0.001 : 0.001) * i);
+  CHECK(range_to_show(values) == 0.098);
+  for (double& v : values) v *= 1.001;
+  CHECK(range_to_show(values) == 0.099);
+  for (double& v : values) v *= 1e6;
+  CHECK(range_to_show(values) == 99000);
+  CHECK(range_to_show(std::vector<double>{0, 0}) == 0);
+  CHECK(range_to_show({}) == 0);
+}
+
+TEST_CASE("worst_places: the worst first, and none within the radius of a worse one") {
+  const std::vector<Vec3> points{{0, 0, 0}, {0.5, 0, 0}, {2, 0, 0}, {2.5, 0, 0}, {9, 0, 0}, {7, 0, 0}};
+  const double infinity = std::numeric_limits<double>::infinity();
+  const std::vector<double> severity{3, 4, 1, 2, std::nan(""), -infinity};
+  using List = std::vector<std::uint32_t>;
+  CHECK(worst_places(points, severity, 1, 9) == List{1, 3});
+  CHECK(worst_places(points, severity, 0, 9) == List{1, 0, 3, 2});
+  CHECK(worst_places(points, severity, 1, 1) == List{1});
+  CHECK(worst_places({}, {}, 1, 3).empty());
 }
