@@ -49,7 +49,7 @@ TriangulateOptions options_of(const Arguments& a) {
 // The CAD model; what the reader could not use is said at once.
 CadModel read_model(const Arguments& a, Program& program) {
   const CadFile file = read_cad(a.cad, program.context);
-  CadModel model = make_cad_model(file.shape, a.sew);
+  CadModel model = make_cad_model(file.shape, a.sew, program.context);
   const auto note = [&](const std::string& text) {
     if (!program.quiet) print_note(a.cad + ": " + text);
   };

@@ -13,7 +13,7 @@ namespace tri::cli {
 
 Info cad_info(const std::string& path, double sew_tolerance, Context& context) {
   const CadFile file = read_cad(path, context);
-  const CadModel model = make_cad_model(file.shape, sew_tolerance);
+  const CadModel model = make_cad_model(file.shape, sew_tolerance, context);
   const CadTopology topology = cad_topology(model);
   double area = 0, largest_tolerance = 0;
   std::map<std::string, int> types;

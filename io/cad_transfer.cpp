@@ -28,6 +28,7 @@
 #include <unordered_map>
 
 #include "io/occt_session.hpp"
+#include "libtri/progress_occt.hpp"
 #include "meshops/error.hpp"
 
 namespace tri {

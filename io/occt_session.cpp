@@ -29,13 +29,6 @@ OcctSession::~OcctSession() {
   Message::DefaultMessenger()->ChangePrinters() = printers_;
 }
 
-void OcctProgress::Show(const Message_ProgressScope&, const Standard_Boolean) {
-  const double share = GetPosition();
-  if (share < last_ + 0.005 && share < 1) return;
-  last_ = share;
-  context_.progress(step_, share);
-}
-
 std::string run_guarded(const std::function<void()>& body) {
   try {
     OCC_CATCH_SIGNALS

@@ -104,7 +104,8 @@ std::vector<double> inner_breaks(const Adaptor& adaptor) {
 /// Reads the faces of a prepared shape one by one.
 class Reader {
  public:
-  Reader(const Shape& source, PreparedShape prepared) : source_(source), prepared_(std::move(prepared)) {
+  Reader(const Shape& source, PreparedShape prepared, Context& context)
+      : source_(source), prepared_(std::move(prepared)), context_(context) {
     TopExp::MapShapes(prepared_.shape, TopAbs_FACE, faces_);
     TopExp::MapShapes(prepared_.shape, TopAbs_EDGE, edges_);
     TopExp::MapShapes(prepared_.shape, TopAbs_VERTEX, vertices_);
@@ -116,8 +117,21 @@ class Reader {
     read_scale();
     for (int i = 1; i <= vertices_.Extent(); ++i)
       model_.vertices.push_back(to_vec(BRep_Tool::Pnt(TopoDS::Vertex(vertices_(i)))));
-    for (int i = 1; i <= edges_.Extent(); ++i) model_.edges.push_back(read_edge(TopoDS::Edge(edges_(i))));
-    for (std::size_t i = 0; i < prepared_.faces.size(); ++i) read_face(i);
+    const std::size_t all = static_cast<std::size_t>(edges_.Extent()) + prepared_.faces.size();
+    std::size_t done = 0;
+    const auto step = [&] {
+      context_.checkpoint();
+      context_.progress("read faces", static_cast<double>(done++) / static_cast<double>(all));
+    };
+    for (int i = 1; i <= edges_.Extent(); ++i) {
+      step();
+      model_.edges.push_back(read_edge(TopoDS::Edge(edges_(i))));
+    }
+    for (std::size_t i = 0; i < prepared_.faces.size(); ++i) {
+      step();
+      read_face(i);
+    }
+    context_.progress("read faces", 1);
     if (model_.faces.empty()) throw CadError(no_face_message());
     read_box();
     number_shells();
@@ -408,6 +422,7 @@ class Reader {
 
   const Shape& source_;
   PreparedShape prepared_;
+  Context& context_;
   TopTools_IndexedMapOfShape faces_, edges_, vertices_;
   std::vector<SurfaceBreaks> breaks_;  // beside model_.faces
   CadModel model_;
@@ -416,11 +431,16 @@ class Reader {
 }  // namespace
 
 CadModel make_cad_model(const Shape& shape, double sew_tolerance) {
+  Context context;
+  return make_cad_model(shape, sew_tolerance, context);
+}
+
+CadModel make_cad_model(const Shape& shape, double sew_tolerance, Context& context) {
   if (shape.empty() || occt(shape).IsNull()) throw InvalidInput("make_cad_model: the shape is empty");
   if (!(sew_tolerance > 0) || !std::isfinite(sew_tolerance))
     throw InvalidInput(fmt::format("make_cad_model: the sewing tolerance is {}, must be above 0", sew_tolerance));
   try {
-    return Reader(shape, prepare_shape(occt(shape), sew_tolerance)).read();
+    return Reader(shape, prepare_shape(occt(shape), sew_tolerance, context), context).read();
   } catch (const Standard_Failure& failure) {
     throw CadError("the model cannot be prepared: " + describe(failure));
   }

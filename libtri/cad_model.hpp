@@ -8,6 +8,7 @@
 #include "libtri/curve.hpp"
 #include "libtri/shape.hpp"
 #include "libtri/surface.hpp"
+#include "meshops/context.hpp"
 #include "meshops/vec.hpp"
 
 namespace tri {
@@ -85,6 +86,10 @@ struct CadModel {
 /// @param sew_tolerance  mm, > 0
 /// @throws InvalidInput if `shape` is empty or the tolerance is not positive.
 /// @throws CadError if no face is usable.
+/// @throws Cancelled between faces, and within the sewing.
+CadModel make_cad_model(const Shape& shape, double sew_tolerance, Context& context);
+
+/// The same, without progress and cancel.
 CadModel make_cad_model(const Shape& shape, double sew_tolerance = 0.01);
 
 }  // namespace tri

@@ -13,7 +13,8 @@ Shape sewn(const Shape& shape, double tolerance) {
   if (shape.empty()) throw InvalidInput("sewn: the shape is empty");
   if (!needs_sewing(occt(shape))) return shape;
   PreparedShape prepared = track_faces(occt(shape));
-  sew(prepared, tolerance);
+  Context context;
+  sew(prepared, tolerance, context);
   TopTools_IndexedMapOfShape map;
   TopExp::MapShapes(prepared.shape, TopAbs_FACE, map);
   const std::vector<std::string>& old_names = shape.impl().face_names;

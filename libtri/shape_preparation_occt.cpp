@@ -21,6 +21,7 @@
 #include <TopoDS_Edge.hxx>
 #include <cmath>
 
+#include "libtri/progress_occt.hpp"
 #include "libtri/trim_loops_occt.hpp"
 
 namespace tri {
@@ -88,10 +89,11 @@ void add_natural_bounds(PreparedShape& prepared) {
 }
 
 /// Edges known by their parameter curves only get a curve in space; poles have none.
-void add_missing_curves(PreparedShape& prepared) {
+void add_missing_curves(PreparedShape& prepared, Context& context) {
   TopTools_IndexedMapOfShape edges;
   TopExp::MapShapes(prepared.shape, TopAbs_EDGE, edges);
   for (int i = 1; i <= edges.Extent(); ++i) {
+    context.checkpoint();
     const TopoDS_Edge edge = TopoDS::Edge(edges(i));
     double first, last;
     if (BRep_Tool::Degenerated(edge) || !BRep_Tool::Curve(edge, first, last).IsNull()) continue;
@@ -103,8 +105,9 @@ void add_missing_curves(PreparedShape& prepared) {
   }
 }
 
-void add_missing_pcurves(PreparedShape& prepared) {
+void add_missing_pcurves(PreparedShape& prepared, Context& context) {
   for (const TopoDS_Shape& shape : prepared.faces) {
+    context.checkpoint();
     if (shape.IsNull()) continue;
     const TopoDS_Face face = TopoDS::Face(shape.Oriented(TopAbs_FORWARD));
     for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
@@ -122,15 +125,16 @@ void add_missing_pcurves(PreparedShape& prepared) {
   }
 }
 
-void repair_open_loops(PreparedShape& prepared) {
-  const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
+void repair_open_loops(PreparedShape& prepared, Context& context) {
+  const Handle(ShapeBuild_ReShape) reshape = new ShapeBuild_ReShape;
   std::vector<std::size_t> repaired;
   for (std::size_t i = 0; i < prepared.faces.size(); ++i) {
+    context.checkpoint();
     const TopoDS_Face& face = prepared.faces[i];
     if (face.IsNull() || !has_wire(face) || loops_close(face)) continue;
     try {
       ShapeFix_Face fix(face);
-      fix.SetContext(context);
+      fix.SetContext(reshape);
       fix.SetPrecision(Precision::Confusion());
       fix.SetMaxTolerance(BRep_Tool::Tolerance(face) + 0.1);
       fix.Perform();
@@ -140,8 +144,8 @@ void repair_open_loops(PreparedShape& prepared) {
     }
   }
   if (repaired.empty()) return;
-  follow_faces(prepared, context->Apply(prepared.shape), "lost while its loops were repaired",
-               [&](const TopoDS_Shape& face) { return context->Apply(face); });
+  follow_faces(prepared, reshape->Apply(prepared.shape), "lost while its loops were repaired",
+               [&](const TopoDS_Shape& face) { return reshape->Apply(face); });
   for (const std::size_t i : repaired)
     if (!prepared.faces[i].IsNull() && loops_close(prepared.faces[i]))
       prepared.warnings.push_back(
@@ -157,10 +161,12 @@ bool needs_sewing(const TopoDS_Shape& shape) {
   return !has_solid && shells != 1;
 }
 
-void sew(PreparedShape& prepared, double tolerance) {
+void sew(PreparedShape& prepared, double tolerance, Context& context) {
   BRepBuilderAPI_Sewing sewing(tolerance);
   sewing.Add(prepared.shape);
-  sewing.Perform();
+  const Handle(OcctProgress) progress = new OcctProgress(context, "sew");
+  sewing.Perform(progress->Start());
+  context.checkpoint();
   const std::string step = fmt::format("degenerates when the faces are sewn at {} mm", tolerance);
   follow_faces(prepared, sewing.SewedShape(), step.c_str(), [&](const TopoDS_Shape& face) {
     return sewing.IsModifiedSubShape(face) ? sewing.ModifiedSubShape(face) : face;
@@ -177,14 +183,14 @@ PreparedShape track_faces(const TopoDS_Shape& shape) {
   return prepared;
 }
 
-PreparedShape prepare_shape(const TopoDS_Shape& shape, double sew_tolerance) {
+PreparedShape prepare_shape(const TopoDS_Shape& shape, double sew_tolerance, Context& context) {
   PreparedShape prepared = track_faces(shape);
   copy_topology(prepared);
   add_natural_bounds(prepared);
-  add_missing_curves(prepared);
-  if (needs_sewing(prepared.shape)) sew(prepared, sew_tolerance);
-  add_missing_pcurves(prepared);
-  repair_open_loops(prepared);
+  add_missing_curves(prepared, context);
+  if (needs_sewing(prepared.shape)) sew(prepared, sew_tolerance, context);
+  add_missing_pcurves(prepared, context);
+  repair_open_loops(prepared, context);
   return prepared;
 }
 

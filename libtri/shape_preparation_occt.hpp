@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "meshops/context.hpp"
+
 namespace tri {
 
 /// A shape on its way to a CadModel, with the way back to the faces as read.
@@ -25,12 +27,14 @@ PreparedShape track_faces(const TopoDS_Shape& shape);
 bool needs_sewing(const TopoDS_Shape& shape);
 
 /// Sews at `tolerance` mm and follows every face. Orientation is made coherent within each shell by the sewing.
-void sew(PreparedShape& prepared, double tolerance);
+/// @throws Cancelled within a step of the sewing
+void sew(PreparedShape& prepared, double tolerance, Context& context);
 
 /// From the shape as read to one that every later step can use: faces without wires get their natural bounds, loose
 /// faces are sewn at `sew_tolerance` mm, missing parameter curves are made, loops that do not close in (u,v) are
 /// repaired. The topology is copied first, geometry is shared: the shape as read stays untouched, whatever is stored in
 /// the result.
-PreparedShape prepare_shape(const TopoDS_Shape& shape, double sew_tolerance);
+/// @throws Cancelled between faces
+PreparedShape prepare_shape(const TopoDS_Shape& shape, double sew_tolerance, Context& context);
 
 }  // namespace tri
