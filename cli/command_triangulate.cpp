@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "cli/commands.hpp"
+#include "cli/model_input.hpp"
 #include "cli/number_checks.hpp"
 #include "cli/points_input.hpp"
 #include "cli/triangulate_report.hpp"
-#include "io/cad_file.hpp"
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
 #include "libtri/triangulate.hpp"
@@ -17,19 +17,20 @@ namespace tri::cli {
 namespace {
 
 struct Arguments {
-  std::string cad, points, output, report, patches, method = "auto", unmeasured = "hole";
-  double hole_size = 3, noise = 0, outlier_distance = 0, sew = 0.01;
+  ModelInput model;
+  std::string points, output, report, patches, method = "auto", unmeasured = "hole";
+  double hole_size = 3, noise = 0, outlier_distance = 0;
   PointUnits units;
   bool ascii = false, json = false;
 };
 
 nlohmann::ordered_json options_json(const Arguments& a, const PointsFileInfo& file) {
-  nlohmann::ordered_json json{{"cad", a.cad},
+  nlohmann::ordered_json json{{"cad", a.model.path},
                               {"points", a.points},
                               {"method", a.method},
                               {"unmeasured", a.unmeasured},
                               {"hole_size", a.hole_size},
-                              {"sew", a.sew},
+                              {"sew", a.model.sew},
                               {"outlier_distance", nullptr}};
   if (a.outlier_distance > 0) json["outlier_distance"] = a.outlier_distance;
   json.update(to_json(a.units, file));
@@ -46,18 +47,6 @@ TriangulateOptions options_of(const Arguments& a) {
   return options;
 }
 
-// The CAD model; what the reader could not use is said at once.
-CadModel read_model(const Arguments& a, Program& program) {
-  const CadFile file = read_cad(a.cad, program.context);
-  CadModel model = make_cad_model(file.shape, a.sew, program.context);
-  const auto note = [&](const std::string& text) {
-    if (!program.quiet) print_note(a.cad + ": " + text);
-  };
-  for (const FailedEntity& entity : file.failed) note(fmt::format("{} was not read: {}", entity.entity, entity.reason));
-  for (const std::string& warning : model.warnings) note(warning);
-  return model;
-}
-
 void write(const std::string& path, Mesh& mesh, const Arguments& a, Program& program) {
   Context uncancelled;  // an interrupt between two files would leave half of the result
   const MeshWriteReport written = write_mesh(path, to_soup(view_of(mesh)), {.ascii = a.ascii}, uncancelled);
@@ -69,7 +58,7 @@ int run(const Arguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.report, a.patches})
     if (!path.empty()) check_output(path);
-  const CadModel model = read_model(a, program);
+  const CadModel model = read_model(a.model, program);
   PointsFileInfo file;
   const PointSet set = read_points_in_mm(a.points, a.units, program, &file);
   TriangulateResult result = triangulate(model, set.points, options_of(a), context);
@@ -93,7 +82,7 @@ int run(const Arguments& a, Program& program) {
 void add_triangulate_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("triangulate", "Make one mesh of a CAD file and unordered points measured on the part");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("--cad", a->cad, "CAD model: IGES, STEP or BREP")->required()->type_name("FILE");
+  add_model_options(*command, a->model);
   command->add_option("points", a->points, "Measured points in the model's frame: XYZ, ASC, CSV, TXT, PLY or PCD, in any order")
       ->required();
   command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation), .stl, .obj, .off")
@@ -121,9 +110,6 @@ void add_triangulate_command(CLI::App& app, Program& program) {
       ->check(above_zero())
       ->excludes("--noise");
   add_units_option(*command, a->units);
-  command->add_option("--sew", a->sew, "Distance in mm at which loose CAD faces are joined")
-      ->check(CLI::Range(1e-9, 1e9))
-      ->capture_default_str();
   command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");
   command->add_flag("--json", a->json, "The report on standard output");
   add_common_options(*command, program);

@@ -8,6 +8,7 @@ namespace tri::cli {
 void add_info_command(CLI::App& app, Program& program);
 void add_model_command(CLI::App& app, Program& program);
 void add_ops_command(CLI::App& app, Program& program);
+void add_register_command(CLI::App& app, Program& program);
 void add_render_command(CLI::App& app, Program& program);
 void add_run_command(CLI::App& app, Program& program);
 void add_sample_command(CLI::App& app, Program& program);

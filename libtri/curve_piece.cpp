@@ -29,11 +29,12 @@ bool crosses(const std::vector<ParameterBreak>& breaks, double period, double lo
 class Builder {
  public:
   Builder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal,
-          std::vector<CurvePiece>& out)
+          const Context& context, std::vector<CurvePiece>& out)
       : curve_(curve),
         index_(index),
         surface_(surface),
         diagonal_(diagonal),
+        context_(context),
         out_(out),
         u_(surface.u_breaks()),
         v_(surface.v_breaks()) {}
@@ -83,6 +84,7 @@ class Builder {
   }
 
   void split(double t0, double t1, int depth) {
+    if (context_.cancelled()) return;
     const PieceBounds b = bounds(t0, t1);
     CurvePiece piece{};
     piece.t = (t0 + t1) / 2;
@@ -114,6 +116,7 @@ class Builder {
   std::uint32_t index_;
   const Surface& surface_;
   double diagonal_;
+  const Context& context_;
   std::vector<CurvePiece>& out_;
   std::vector<ParameterBreak> u_, v_;
 };
@@ -225,8 +228,8 @@ Box CurvePiece::box() const {
 }
 
 void make_pieces(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal,
-                 std::vector<CurvePiece>& pieces) {
-  Builder(curve, index, surface, diagonal, pieces).run();
+                 const Context& context, std::vector<CurvePiece>& pieces) {
+  Builder(curve, index, surface, diagonal, context, pieces).run();
 }
 
 void closest_on_piece(const CurvePiece& piece, std::uint32_t index, const FaceCurve& curve, const Surface& surface,

@@ -40,8 +40,9 @@ struct CurvePiece {
 
 /// Cuts face curve number `index` into pieces.
 /// @param diagonal mm, of the model
+/// @param context  once it is cancelled, pieces are missing
 void make_pieces(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal,
-                 std::vector<CurvePiece>& pieces);
+                 const Context& context, std::vector<CurvePiece>& pieces);
 
 /// Replaces `best` if the piece holds a place that it yields to.
 /// @param index     written to best.item

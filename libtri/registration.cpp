@@ -30,11 +30,18 @@ constexpr double same_curve = 2e-8;
 constexpr double accuracy = 1e-8;
 // Distances closer than this share of the diagonal are equal.
 constexpr double tie_share = 1e-10;
+// Points between two looks at the context.
+constexpr std::size_t checkpoint_interval = 64;
+
+tbb::task_arena arena_of(const Context& context) {
+  const int cores = tbb::info::default_concurrency();
+  return tbb::task_arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
+}
 
 }  // namespace
 
 struct Registration::Impl {
-  explicit Impl(const CadModel& model_in);
+  Impl(const CadModel& model_in, Context& context);
 
   void add_curves();
   void add_kinks(std::uint32_t face);
@@ -66,7 +73,9 @@ struct Registration::Impl {
   double tolerance = 0, tie = 0;
 };
 
-Registration::Impl::Impl(const CadModel& model_in) {
+Registration::Impl::Impl(const CadModel& model_in, Context& context) {
+  context.checkpoint();
+  context.progress("index model", 0);
   for (const CadFace& face : model_in.faces) {
     CadFace copy = face;
     for (TrimLoop& loop : copy.loops)
@@ -107,8 +116,10 @@ Registration::Impl::Impl(const CadModel& model_in) {
 
   std::vector<std::vector<SurfacePatch>> per_face(n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t f) {
-    make_patches(model.faces[f], regions[f], static_cast<std::uint32_t>(f), diagonal, per_face[f]);
+    make_patches(model.faces[f], regions[f], static_cast<std::uint32_t>(f), diagonal, context, per_face[f]);
   });
+  context.checkpoint();
+  context.progress("index model", 0.5);
   for (const auto& some : per_face) patches.insert(patches.end(), some.begin(), some.end());
 
   add_curves();
@@ -116,8 +127,11 @@ Registration::Impl::Impl(const CadModel& model_in) {
   std::vector<std::vector<CurvePiece>> per_curve(curves.size());
   tbb::parallel_for(std::size_t{0}, curves.size(), [&](std::size_t c) {
     const auto index = static_cast<std::uint32_t>(c);
-    if (!repeats(index)) make_pieces(curves[c], index, *model.faces[curves[c].face].surface, diagonal, per_curve[c]);
+    if (!context.cancelled() && !repeats(index))
+      make_pieces(curves[c], index, *model.faces[curves[c].face].surface, diagonal, context, per_curve[c]);
   });
+  context.checkpoint();
+  context.progress("index model", 0.8);
   for (const auto& some : per_curve) pieces.insert(pieces.end(), some.begin(), some.end());
 
   std::vector<Box> boxes;
@@ -132,6 +146,7 @@ Registration::Impl::Impl(const CadModel& model_in) {
     high.maximize(b.high);
   }
   tree = BoxTree(boxes);
+  context.progress("index model", 1);
 }
 
 void Registration::Impl::add_curves() {
@@ -307,7 +322,13 @@ Foot Registration::Impl::finish(const Vec3& p, Candidate c) const {
   return foot;
 }
 
-Registration::Registration(const CadModel& model) : impl_(std::make_unique<Impl>(model)) {}
+Registration::Registration(const CadModel& model, Context& context) {
+  arena_of(context).execute([&] { impl_ = std::make_unique<Impl>(model, context); });
+}
+Registration::Registration(const CadModel& model) {
+  Context context;
+  impl_ = std::make_unique<Impl>(model, context);
+}
 Registration::~Registration() = default;
 Registration::Registration(Registration&&) noexcept = default;
 
@@ -320,19 +341,17 @@ std::vector<Foot> Registration::register_points(std::span<const Vec3> points, Co
   const std::size_t blocks = (points.size() + block_size - 1) / block_size;
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};
-  const int cores = tbb::info::default_concurrency();
-  tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
-  arena.execute([&] {
+  arena_of(context).execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, blocks, 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
           Impl::Search search(impl);
           for (std::size_t block = range.begin(); block != range.end(); ++block) {
-            if (context.cancelled()) return;
             // Each block starts anew, so that the result does not depend on which thread did what before.
             search.warm = none;
             const std::size_t end = std::min(points.size(), (block + 1) * block_size);
             for (std::size_t k = block * block_size; k < end; ++k) {
+              if (k % checkpoint_interval == 0) context.checkpoint();
               const std::uint32_t i = order[k];
               const Vec3& p = points[i];
               if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;

@@ -246,11 +246,12 @@ struct Certificate {
 class Builder {
  public:
   Builder(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
-          std::vector<SurfacePatch>& out)
+          const Context& context, std::vector<SurfacePatch>& out)
       : surface_(*face.surface),
         region_(region),
         position_(position),
         diagonal_(diagonal),
+        context_(context),
         out_(out),
         begin_(out.size()) {
     Vec2 feet[2];
@@ -285,6 +286,7 @@ class Builder {
   }
 
   void split(double u0, double u1, double v0, double v1, int depth) {
+    if (context_.cancelled()) return;
     const TrimRegion::Side side = region_.classify(u0, u1, v0, v1);
     if (side == TrimRegion::Side::outside) return;
     SurfacePatch patch;
@@ -397,6 +399,7 @@ class Builder {
   const TrimRegion& region_;
   std::uint32_t position_;
   double diagonal_;
+  const Context& context_;
   std::vector<SurfacePatch>& out_;
   std::size_t begin_;
   bool closed_form_ = false;
@@ -415,8 +418,8 @@ Box SurfacePatch::box() const {
 }
 
 void make_patches(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
-                  std::vector<SurfacePatch>& patches) {
-  Builder(face, region, position, diagonal, patches).run();
+                  const Context& context, std::vector<SurfacePatch>& patches) {
+  Builder(face, region, position, diagonal, context, patches).run();
 }
 
 void closest_on_patch(const SurfacePatch& patch, std::uint32_t index, const Surface& surface, const TrimRegion& region,

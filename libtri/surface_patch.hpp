@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "meshops/box_tree.hpp"
+#include "meshops/context.hpp"
 #include "libtri/cad_model.hpp"
 #include "libtri/trim_region.hpp"
 
@@ -66,8 +67,9 @@ struct SurfacePatch {
 /// surface.
 /// @param position 0-based position in CadModel::faces
 /// @param diagonal mm, of the model
+/// @param context  once it is cancelled, patches are missing
 void make_patches(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
-                  std::vector<SurfacePatch>& patches);
+                  const Context& context, std::vector<SurfacePatch>& patches);
 
 /// Replaces `best` if the part of the patch inside `region` holds a nearer point.
 ///

@@ -1,0 +1,28 @@
+#include "cli/model_input.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "io/cad_file.hpp"
+
+namespace tri::cli {
+
+void add_model_options(CLI::App& command, ModelInput& input) {
+  command.add_option("--cad", input.path, "CAD model: IGES, STEP or BREP")->required()->type_name("FILE");
+  command.add_option("--sew", input.sew, "Distance in mm at which loose CAD faces are joined")
+      ->check(CLI::Range(1e-9, 1e9))
+      ->capture_default_str();
+}
+
+CadModel read_model(const ModelInput& input, Program& program) {
+  const CadFile file = read_cad(input.path, program.context);
+  CadModel model = make_cad_model(file.shape, input.sew, program.context);
+  const auto note = [&](const std::string& text) {
+    if (!program.quiet) print_note(input.path + ": " + text);
+  };
+  for (const FailedEntity& entity : file.failed) note(fmt::format("{} was not read: {}", entity.entity, entity.reason));
+  for (const std::string& warning : model.warnings) note(warning);
+  return model;
+}
+
+}  // namespace tri::cli

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "cli/program.hpp"
+#include "libtri/cad_model.hpp"
+
+namespace tri::cli {
+
+/// The `--cad` and `--sew` of every command that works on a CAD model.
+struct ModelInput {
+  std::string path;
+  double sew = 0.01;  ///< mm
+};
+
+/// Adds --cad, which is required, and --sew to a command.
+void add_model_options(CLI::App& command, ModelInput& input);
+
+/// The model of the file; what the reader could not use or had to repair is said on standard error at once.
+/// @throws as `read_cad` and `make_cad_model`
+CadModel read_model(const ModelInput& input, Program& program);
+
+}  // namespace tri::cli
