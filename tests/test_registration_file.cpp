@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -30,7 +31,7 @@ struct Case {
     model.faces[0].index = 4;
     model.faces[1].index = 7;
     feet.resize(3);
-    feet[0] = {.point = {0.1 + 0.2, 2e22 / 7, 1}, .uv = {M_PI, -1e-17}, .deviation = -1.0 / 7, .normal = {}, .face = 1, .edge = 0};
+    feet[0] = {.point = {0.1 + 0.2, 2e22 / 7, 1}, .uv = {std::numbers::pi, -1e-17}, .deviation = -1.0 / 7, .normal = {}, .face = 1, .edge = 0};
     feet[1] = {.point = {1, 2, 3}, .uv = {4, 5}, .deviation = 6, .normal = {}, .face = 0, .edge = -1};
   }
 };
