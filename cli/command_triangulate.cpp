@@ -58,9 +58,10 @@ int run(const Arguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.report, a.patches})
     if (!path.empty()) check_output(path);
+  PointsInBackground background(a.points, a.units, program);
   const CadModel model = read_model(a.model, program);
   PointsFileInfo file;
-  const PointSet set = read_points_in_mm(a.points, a.units, program, &file);
+  const PointSet set = background.get(&file);
   TriangulateResult result = triangulate(model, set.points, options_of(a), context);
   context.checkpoint();
 

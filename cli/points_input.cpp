@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace tri::cli {
@@ -19,6 +21,17 @@ constexpr std::array units{Unit{"mm", 1},       Unit{"cm", 10},      Unit{"dm", 
                            Unit{"km", 1e6},     Unit{"um", 1e-3},    Unit{"nm", 1e-6},    Unit{"in", 25.4},
                            Unit{"inch", 25.4},  Unit{"ft", 304.8},   Unit{"foot", 304.8}, Unit{"yd", 914.4},
                            Unit{"mil", 0.0254}, Unit{"thou", 0.0254}};
+
+void to_millimetres(PointSet& set, const std::string& path, const PointUnits& point_units, const PointsFileInfo& info,
+                    const Program& program) {
+  const double factor = factor_of(point_units, info);
+  scale(set, factor);
+  if (!program.quiet && factor != 1 && point_units.given == "auto")
+    print_note(
+        fmt::format("{}: in {}, as its format defines: converted to millimetres (--units mm takes the numbers as "
+                    "they are)",
+                    path, info.unit));
+}
 
 }  // namespace
 
@@ -63,13 +76,32 @@ PointSet read_points_in_mm(const std::string& path, const PointUnits& point_unit
   PointsFileInfo own;
   PointsFileInfo& what = info ? *info : own;
   PointSet set = read_points(path, program.context, &what);
-  const double factor = factor_of(point_units, what);
-  scale(set, factor);
-  if (!program.quiet && factor != 1 && point_units.given == "auto")
-    print_note(
-        fmt::format("{}: in {}, as its format defines: converted to millimetres (--units mm takes the numbers as "
-                    "they are)",
-                    path, what.unit));
+  to_millimetres(set, path, point_units, what, program);
+  return set;
+}
+
+PointsInBackground::PointsInBackground(std::string path, PointUnits point_units, Program& program)
+    : path_(std::move(path)), units_(std::move(point_units)), program_(program) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path_, error)) return;
+  quiet_.threads = program.context.threads;
+  quiet_.on_log = [this](std::string_view line) { log_.emplace_back(line); };
+  quiet_.on_checkpoint = [this] {
+    if (program_.context.cancelled()) quiet_.cancel();
+  };
+  points_ = std::async(std::launch::async, [this] { return read_points(path_, quiet_, &info_); });
+}
+
+PointsInBackground::~PointsInBackground() {
+  quiet_.cancel();
+}
+
+PointSet PointsInBackground::get(PointsFileInfo* info) {
+  if (!points_.valid()) return read_points_in_mm(path_, units_, program_, info);
+  PointSet set = points_.get();
+  for (const std::string& line : log_) program_.context.log(line);
+  to_millimetres(set, path_, units_, info_, program_);
+  if (info) *info = std::move(info_);
   return set;
 }
 

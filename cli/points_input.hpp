@@ -1,7 +1,9 @@
 #pragma once
 
+#include <future>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "cli/program.hpp"
 #include "io/points_file.hpp"
@@ -26,6 +28,29 @@ double millimetres_per(const std::string& unit);
 /// @param info receives what is known about the file @throws as `read_points`
 PointSet read_points_in_mm(const std::string& path, const PointUnits& units, Program& program,
                            PointsFileInfo* info = nullptr);
+
+/// As `read_points_in_mm`, while the caller does something else, say read the model.
+class PointsInBackground {
+ public:
+  /// Begins, if `path` is a file; of anything else, which may keep a reader waiting, nothing is read before `get`.
+  PointsInBackground(std::string path, PointUnits units, Program& program);
+  PointsInBackground(const PointsInBackground&) = delete;
+  PointsInBackground& operator=(const PointsInBackground&) = delete;
+  ~PointsInBackground();  ///< stops reading
+
+  /// Once: waits, says what is to be said of the file, and returns its points.
+  /// @param info receives what is known about the file @throws as `read_points`
+  PointSet get(PointsFileInfo* info = nullptr);
+
+ private:
+  std::string path_;
+  PointUnits units_;
+  Program& program_;
+  Context quiet_;
+  std::vector<std::string> log_;
+  PointsFileInfo info_;
+  std::future<PointSet> points_;  // its destructor waits, so it goes first
+};
 
 /// For reports: {"units": as given, "mm_per_unit": the factor that was applied}.
 nlohmann::ordered_json to_json(const PointUnits& units, const PointsFileInfo& info);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -26,23 +25,25 @@ class PageBuffer {
     const std::size_t bytes = count * sizeof(T);
     const std::size_t alignment = bytes >= 2 * huge_page ? huge_page : 64;
     const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-    data_ = static_cast<T*>(std::aligned_alloc(alignment, rounded));
-    if (data_ == nullptr && rounded != 0) throw std::bad_alloc();
+    alignment_ = std::align_val_t{alignment};
+    data_ = static_cast<T*>(::operator new(rounded, alignment_));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
     if (alignment == huge_page) madvise(data_, rounded, MADV_HUGEPAGE);  // a hint: refusal changes nothing but the time
 #endif
   }
-  PageBuffer(PageBuffer&& other) noexcept : data_(std::exchange(other.data_, nullptr)) {}
+  PageBuffer(PageBuffer&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)), alignment_(other.alignment_) {}
   PageBuffer& operator=(PageBuffer&& other) noexcept {
     std::swap(data_, other.data_);
+    std::swap(alignment_, other.alignment_);
     return *this;
   }
   ~PageBuffer() {
-    std::free(data_);
+    reset();
   }
 
   void reset() {
-    std::free(data_);
+    if (data_ != nullptr) ::operator delete(data_, alignment_);
     data_ = nullptr;
   }
   T* get() const {
@@ -54,6 +55,7 @@ class PageBuffer {
 
  private:
   T* data_ = nullptr;
+  std::align_val_t alignment_{64};
 };
 
 }  // namespace tri

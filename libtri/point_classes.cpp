@@ -68,7 +68,12 @@ double robust_sigma(std::span<const Foot> feet) {
 }
 
 std::vector<std::uint32_t> find_outliers(std::span<const Foot> feet, double diagonal, std::optional<double> distance) {
-  const double limit = distance ? *distance : std::max(sigmas * robust_sigma(feet), least_share_of_diagonal * diagonal);
+  return find_outliers(feet, diagonal, distance, distance ? 0 : robust_sigma(feet));
+}
+
+std::vector<std::uint32_t> find_outliers(std::span<const Foot> feet, double diagonal, std::optional<double> distance,
+                                         double sigma) {
+  const double limit = distance ? *distance : std::max(sigmas * sigma, least_share_of_diagonal * diagonal);
   std::vector<std::uint32_t> far;
   for (std::uint32_t i = 0; i < feet.size(); ++i)
     if (feet[i].face >= 0 && std::abs(feet[i].deviation) > limit) far.push_back(i);

@@ -23,4 +23,8 @@ double robust_sigma(std::span<const Foot> feet);
 /// @param feet  one per point; those with face < 0 are not looked at
 std::vector<std::uint32_t> find_outliers(std::span<const Foot> feet, double diagonal, std::optional<double> distance);
 
+/// As above, for a `sigma` that is `robust_sigma(feet)`.
+std::vector<std::uint32_t> find_outliers(std::span<const Foot> feet, double diagonal, std::optional<double> distance,
+                                         double sigma);
+
 }  // namespace tri

@@ -332,12 +332,16 @@ Registration::Registration(const CadModel& model) {
 Registration::~Registration() = default;
 Registration::Registration(Registration&&) noexcept = default;
 
+std::vector<std::uint32_t> Registration::order_of(std::span<const Vec3> points) const {
+  return morton_order(points, impl_->low, impl_->high);
+}
+
 std::vector<Foot> Registration::register_points(std::span<const Vec3> points, Context& context) const {
   const Impl& impl = *impl_;
   std::vector<Foot> feet(points.size());
   context.checkpoint();
   context.progress("register", 0);
-  const std::vector<std::uint32_t> order = morton_order(points, impl.low, impl.high);
+  const std::vector<std::uint32_t> order = order_of(points);
   const std::size_t blocks = (points.size() + block_size - 1) / block_size;
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};

@@ -1,6 +1,10 @@
 #include "libtri/triangulate.hpp"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -54,8 +58,8 @@ void validate(std::span<const Vec3> points, const TriangulateOptions& options) {
       throw InvalidInput(fmt::format("point {} has a coordinate that is not finite", i));
 }
 
-void check_distance(std::span<const Foot> feet, double diagonal) {
-  const double usual = robust_sigma(feet) / 1.4826;
+void check_distance(double sigma, double diagonal) {
+  const double usual = sigma / 1.4826;
   if (usual <= farthest_share * diagonal) return;
   throw InvalidInput(
       fmt::format("the points do not lie on the model: their median distance is {:.6g} mm, the model's diagonal {:.6g} "
@@ -249,10 +253,9 @@ void note_checks(const Candidate& candidate, TriangulateResult& result) {
   if (c.unused_points > 0) result.notes.push_back(fmt::format("{} points could not be connected", c.unused_points));
 }
 
-void triangulate_sorted(const CadModel& model, std::span<const Vec3> points, const TriangulateOptions& options,
-                        TriangulateResult& result, Stopwatch& watch, Context& context) {
-
-  const Registration registration(model);
+void triangulate_sorted(const CadModel& model, const Registration& registration, std::span<const Vec3> points,
+                        const TriangulateOptions& options, TriangulateResult& result, Stopwatch& watch,
+                        Context& context) {
   std::vector<Foot> feet = registration.register_points(points, context);
   watch.lap("register");
 
@@ -261,9 +264,9 @@ void triangulate_sorted(const CadModel& model, std::span<const Vec3> points, con
   if (points.size() - result.duplicates.size() < 3)
     throw InvalidInput(
         fmt::format("{} distinct points are too few: three make a triangle", points.size() - result.duplicates.size()));
-  check_distance(feet, model.diagonal);
   result.sigma = robust_sigma(feet);
-  result.outliers = find_outliers(feet, model.diagonal, options.outlier_distance);
+  check_distance(result.sigma, model.diagonal);
+  result.outliers = find_outliers(feet, model.diagonal, options.outlier_distance, result.sigma);
   leave_out(feet, result.outliers);
   describe_coverage(model, feet, result);
   watch.lap("classify points");
@@ -309,18 +312,22 @@ TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> point
                               Context& context) {
   validate(points, options);
   TriangulateResult result;
-  Stopwatch watch(result);
-  // Unordered points are put in the order of a space-filling curve once: every later step then finds neighbours in space near
-  // each other in memory. Equal points keep their order, so the earliest of them still counts.
-  Vec3 low = points.empty() ? Vec3(0, 0, 0) : points[0], high = low;
-  for (const Vec3& p : points) low.minimize(p), high.maximize(p);
-  const std::vector<std::uint32_t> order = morton_order(points, low, high);
-  std::vector<Vec3> sorted;
-  sorted.reserve(points.size());
-  for (const std::uint32_t i : order) sorted.push_back(points[i]);
-  watch.lap("sort points");
-  triangulate_sorted(model, sorted, options, result, watch, context);
-  name_points_as_given(result, order);
+  const int cores = tbb::info::default_concurrency();
+  tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
+  arena.execute([&] {
+    Stopwatch watch(result);
+    const Registration registration(model);
+    // Unordered points are put in the order of a space-filling curve once: every later step then finds neighbours in
+    // space near each other in memory. Equal points keep their order, so the earliest of them still counts.
+    const std::vector<std::uint32_t> order = registration.order_of(points);
+    std::vector<Vec3> sorted(points.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) sorted[i] = points[order[i]];
+    });
+    watch.lap("sort points");
+    triangulate_sorted(model, registration, sorted, options, result, watch, context);
+    name_points_as_given(result, order);
+  });
   return result;
 }
 
