@@ -21,7 +21,7 @@
 
 #include "libtri/adaptive_polyline.hpp"
 #include "libtri/cad_polylines.hpp"
-#include "libtri/disjoint_sets.hpp"
+#include "meshops/disjoint_sets.hpp"
 #include "libtri/face_measure.hpp"
 #include "libtri/geometry_occt.hpp"
 #include "libtri/shape_occt.hpp"

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "libtri/disjoint_sets.hpp"
+#include "meshops/disjoint_sets.hpp"
 
 namespace tri {
 namespace {

@@ -12,7 +12,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "libtri/disjoint_sets.hpp"
+#include "meshops/disjoint_sets.hpp"
 #include "meshops/nearest_points.hpp"
 
 namespace tri {

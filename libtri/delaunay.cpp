@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "libtri/page_buffer.hpp"
-#include "libtri/predicates.hpp"
+#include "meshops/predicates.hpp"
 #include "libtri/spatial_order.hpp"
 #include "meshops/error.hpp"
 

@@ -11,7 +11,7 @@
 #include <TopoDS_Face.hxx>
 #include <unordered_map>
 
-#include "libtri/disjoint_sets.hpp"
+#include "meshops/disjoint_sets.hpp"
 #include "libtri/shape_occt.hpp"
 #include "meshops/error.hpp"
 

@@ -4,26 +4,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+
+#include "meshops/disjoint_sets.hpp"
 
 namespace tri {
 namespace {
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 // One side of a triangle; `corner` is 3 * triangle + k for the side from corner k to the next.
 struct Side {

@@ -28,6 +28,12 @@ struct Soup {
   std::vector<Vec3> vertex_normals;
   /// Optional per-triangle values by name; each vector has triangles.size() entries.
   std::map<std::string, std::vector<double>> face_scalars;
+  /// What whole values of the face scalar of the same name stand for: with {"group": {"lid", "base"}} a triangle whose
+  /// scalar "group" is 1 belongs to the base. -1, and any value without a name, stands for none.
+  std::map<std::string, std::vector<std::string>> face_labels;
+  /// Optional values by name for each corner of each triangle, say texture coordinates "s" and "t"; each vector has
+  /// 3 * triangles.size() entries.
+  std::map<std::string, std::vector<double>> corner_scalars;
 };
 
 }  // namespace tri

@@ -5,9 +5,10 @@
 #include <random>
 #include <vector>
 
-#include "libtri/predicates.hpp"
+#include "meshops/predicates.hpp"
 
 using tri::Vec2;
+using tri::Vec3;
 
 namespace {
 
@@ -107,4 +108,42 @@ TEST_CASE("bit_range: says which bits a set uses") {
   CHECK_FALSE(tri::bit_range(std::vector<Vec2>{{5e-324, 1}}).safe());
   CHECK_FALSE(tri::bit_range(std::vector<Vec2>{{1e300, 1}}).safe());
   CHECK(tri::bit_range({}).safe());
+}
+
+TEST_CASE("orientation in space: one unit in the last place off a plane decides, at any scale") {
+  std::mt19937_64 random(5);
+  std::uniform_int_distribution<int> any(-1000, 1000);
+  for (const double scale : {1.0, 0x1p-300, 0x1p300, 0x1p-1060}) {
+    for (int i = 0; i < 300; ++i) {
+      // On the plane z = x + y, whose points have coordinates without rounding.
+      const auto place = [&] {
+        const double x = any(random), y = any(random);
+        return Vec3(x, y, x + y) * scale;
+      };
+      const Vec3 a = place(), b = place(), c = place(), d = place();
+      CHECK(tri::orientation_exact(a, b, c, d) == 0);
+      const double turn = (b[0] - a[0]) / scale * ((c[1] - a[1]) / scale) - (b[1] - a[1]) / scale * ((c[0] - a[0]) / scale);
+      const int up = turn > 0 ? 1 : turn < 0 ? -1 : 0;
+      Vec3 lower = d, higher = d;
+      lower[2] = std::nextafter(d[2], -std::numeric_limits<double>::infinity());
+      higher[2] = std::nextafter(d[2], std::numeric_limits<double>::infinity());
+      CHECK(tri::orientation_exact(a, b, c, lower) == up);
+      CHECK(tri::orientation_exact(a, b, c, higher) == -up);
+      CHECK(tri::orientation_exact(b, a, c, lower) == -up);
+      CHECK(tri::orientation_exact(a, c, lower, b) == up);  // two swaps of the first order
+    }
+  }
+}
+
+TEST_CASE("collinear: one unit in the last place decides") {
+  const Vec3 a(0.5, 0.25, 3), b(2.5, 1.25, 15);  // b = 5 a
+  const Vec3 c(1, 0.5, 6);
+  CHECK(tri::collinear_exact(a, b, c));
+  CHECK(tri::collinear_exact(a, a, c));
+  for (int k = 0; k < 3; ++k) {
+    Vec3 off = c;
+    off[k] = std::nextafter(off[k], 100.0);
+    CHECK_FALSE(tri::collinear_exact(a, b, off));
+    CHECK_FALSE(tri::collinear_exact(off, a, b));
+  }
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libtri/delaunay.hpp"
-#include "libtri/predicates.hpp"
+#include "meshops/predicates.hpp"
 
 namespace tri {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "libtri/disjoint_sets.hpp"
+#include "meshops/disjoint_sets.hpp"
 #include "libtri/shell/delaunay_flips.hpp"
 #include "libtri/shell/insertion.hpp"
 #include "libtri/shell/vertex_removal.hpp"

@@ -1,8 +1,9 @@
-#include "libtri/predicates.hpp"
+#include "meshops/predicates.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -201,6 +202,54 @@ int in_circle_exact(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
   return ((ax * ax + ay * ay) * (bx * cy - cx * by) + (bx * bx + by * by) * (cx * ay - ax * cy) +
           (cx * cx + cy * cy) * (ax * by - bx * ay))
       .sign();
+}
+
+int orientation_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  double largest[3];
+  for (int k = 0; k < 3; ++k) largest[k] = std::max({std::abs(a[k] - d[k]), std::abs(b[k] - d[k]), std::abs(c[k] - d[k])});
+  if (largest[0] == 0 || largest[1] == 0 || largest[2] == 0) return 0;  // in one plane across an axis
+  const double size = largest[0] * largest[1] * largest[2];
+  if (size > 1e-200 && size < 1e200) {  // far from underflow and overflow
+    const Vec3 p = a - d, q = b - d, r = c - d;
+    const double det = p | (q % r);
+    // Shewchuk's bound for the permanent: 7 eps times six products, each below the product of the extents.
+    const double bound = 6 * 8e-16 * size;
+    if (det > bound) return 1;
+    if (det < -bound) return -1;
+  }
+  const CommonScale<12> s({a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d[0], d[1], d[2]});
+  if (s.fits(61)) {  // differences below 2^62, minors below 2^125
+    const auto part = [&](int point, int k) -> Int128 {
+      return s.integer(static_cast<std::size_t>(3 * point + k)) - s.integer(static_cast<std::size_t>(9 + k));
+    };
+    const auto minor = [&](int p, int q, int k, int m) { return part(p, k) * part(q, m) - part(p, m) * part(q, k); };
+    Int256 det;
+    det.add_product(part(0, 0), minor(1, 2, 1, 2));
+    det.add_product(part(0, 1), minor(1, 2, 2, 0));
+    det.add_product(part(0, 2), minor(1, 2, 0, 1));
+    return det.sign();
+  }
+  const auto part = [&](int point, int k) {
+    return BigInt(s.parts[static_cast<std::size_t>(3 * point + k)], s.lowest) -
+           BigInt(s.parts[static_cast<std::size_t>(9 + k)], s.lowest);
+  };
+  const auto minor = [&](int k, int m) { return part(1, k) * part(2, m) - part(1, m) * part(2, k); };
+  return (part(0, 0) * minor(1, 2) + part(0, 1) * minor(2, 0) + part(0, 2) * minor(0, 1)).sign();
+}
+
+bool collinear_exact(const Vec3& a, const Vec3& b, const Vec3& c) {
+  for (int k = 0; k < 3; ++k) {
+    const int m = k == 2 ? 0 : k + 1;
+    // Far from the error of the three operations the sign of the minor is certain.
+    const double left = (a[k] - c[k]) * (b[m] - c[m]), right = (a[m] - c[m]) * (b[k] - c[k]);
+    const double size = std::abs(left) + std::abs(right);
+    if (size > 1e-200 && size < 1e200 && std::abs(left - right) > 1e-15 * size) return false;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const int m = k == 2 ? 0 : k + 1;
+    if (orientation_exact(Vec2(a[k], a[m]), Vec2(b[k], b[m]), Vec2(c[k], c[m])) != 0) return false;
+  }
+  return true;
 }
 
 BitRange bit_range(std::span<const Vec2> points) {

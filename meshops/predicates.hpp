@@ -11,6 +11,13 @@ namespace tri {
 /// Sign of the area of (a,b,c): 1 counter-clockwise, -1 clockwise, 0 collinear. Exact for any finite doubles.
 int orientation_exact(const Vec2& a, const Vec2& b, const Vec2& c);
 
+/// Sign of the volume of (a,b,c,d): 1 if d lies below the plane of a, b and c, that is on the side from which they run
+/// clockwise; -1 above, 0 on it. Decided by a rounding-error bound where that suffices; exact for any finite doubles.
+int orientation_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+/// Whether three points lie on one line (or coincide). Exact for any finite doubles.
+bool collinear_exact(const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// For (a,b,c) counter-clockwise: 1 if d lies inside their circle, -1 outside, 0 on it. Exact for any finite doubles.
 int in_circle_exact(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d);
 
