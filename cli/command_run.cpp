@@ -26,6 +26,7 @@ std::string to_text(const Report& r) {
   add(r.vertices_moved, "vertices moved");
   add(r.faces_added, "faces added");
   add(r.faces_removed, "faces removed");
+  add(r.faces_reversed, "faces reversed");
   add(r.edges_flipped, "edges flipped");
   std::string text = fmt::format("{:<20} {} ({:.3f} s)\n", r.operation, changes.empty() ? "nothing changed" : changes, r.seconds);
   for (const auto& [name, value] : r.figures) text += fmt::format("  {}: {:.6g}\n", name, value);

@@ -14,6 +14,7 @@ nlohmann::ordered_json to_json(const Report& report) {
   count("vertices_moved", report.vertices_moved);
   count("faces_added", report.faces_added);
   count("faces_removed", report.faces_removed);
+  count("faces_reversed", report.faces_reversed);
   count("edges_flipped", report.edges_flipped);
   count("touched_vertices", report.touched_vertices.size());
   count("touched_faces", report.touched_faces.size());

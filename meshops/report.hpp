@@ -28,6 +28,7 @@ struct Report {
   std::uint64_t vertices_moved = 0;
   std::uint64_t faces_added = 0;
   std::uint64_t faces_removed = 0;
+  std::uint64_t faces_reversed = 0;
   std::uint64_t edges_flipped = 0;
 
   /// What was found but left as it is, by reason ("loop too long": 3).
@@ -46,10 +47,10 @@ struct Report {
 
   double seconds = 0;
 
-  /// True if nothing was added, removed, moved or flipped.
+  /// True if nothing was added, removed, moved, reversed or flipped.
   bool unchanged() const {
     return vertices_added == 0 && vertices_removed == 0 && vertices_moved == 0 && faces_added == 0 &&
-           faces_removed == 0 && edges_flipped == 0;
+           faces_removed == 0 && faces_reversed == 0 && edges_flipped == 0;
   }
 };
 

@@ -1,0 +1,366 @@
+#include "meshops/operators/remove_degenerate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "meshops/closest_on_triangle.hpp"
+#include "meshops/predicates.hpp"
+#include "meshops/soup_edit.hpp"
+
+namespace tri {
+namespace {
+
+/// A side this much shorter than the longest makes a needle, which is collapsed rather than split.
+constexpr double needle_share = 1e-3;
+
+/// What every move has to lower, the first member first.
+struct Measure {
+  int degenerate = 0;
+  double squared_lengths = 0;  // of the longest sides of the degenerate triangles
+
+  void add(const Measure& other) {
+    degenerate += other.degenerate;
+    squared_lengths += other.squared_lengths;
+  }
+  bool well_below(const Measure& other) const {
+    return degenerate != other.degenerate ? degenerate < other.degenerate
+                                          : squared_lengths < other.squared_lengths * (1 - 1e-9);
+  }
+};
+
+/// Shape of one triangle: its sides in order of length.
+struct Shape {
+  int longest = 0, shortest = 0;  // side k runs from corner k to the next
+  double longest_squared = 0, shortest_squared = 0;
+  double height_squared = 0;  // over the longest side
+};
+
+class Cleaner {
+ public:
+  Cleaner(const Soup& soup, const RemoveDegenerateOptions& options, Context& context)
+      : work_(soup), options_(options), context_(context), alive_(soup.triangles.size(), 1),
+        changed_(soup.triangles.size(), 0), at_(soup.points.size()) {
+    for (std::uint32_t i = 0; i < work_.triangles.size(); ++i)
+      for (const std::uint32_t v : work_.triangles[i])
+        if (at_[v].empty() || at_[v].back() != i) at_[v].push_back(i);
+    for (std::size_t v = 0; v < at_.size(); ++v) used_before_.push_back(!at_[v].empty());
+  }
+
+  Report run(const std::vector<std::uint32_t>& found, Soup& result) {
+    report_.operation = "remove-degenerate";
+    report_.figures["degenerate triangles found"] = static_cast<double>(found.size());
+    std::vector<std::uint32_t> waiting = found, again;
+    for (bool moved = true; moved && !waiting.empty();) {
+      moved = false;
+      again.clear();
+      for (std::size_t i = 0; i < waiting.size(); ++i) {
+        if (i % 1024 == 0) context_.checkpoint();
+        const std::uint32_t t = waiting[i];
+        if (!alive_[t] || !measure(work_.triangles[t]).degenerate) continue;
+        if (remove(t))
+          moved = true;
+        else
+          again.push_back(t);
+        for (const std::uint32_t n : std::exchange(new_degenerate_, {})) again.push_back(n);
+      }
+      std::sort(again.begin(), again.end());
+      again.erase(std::unique(again.begin(), again.end()), again.end());
+      std::swap(waiting, again);
+    }
+    std::uint64_t left = 0;
+    for (const std::uint32_t t : waiting) left += alive_[t] && measure(work_.triangles[t]).degenerate;
+    if (left > 0) report_.skipped["no move that does no harm"] = left;
+    finish(result);
+    return std::move(report_);
+  }
+
+  static Shape shape_of(const Soup& soup, const Triangle& t) {
+    Shape s;
+    for (int k = 0; k < 3; ++k) {
+      const double squared = (soup.points[t[(k + 1) % 3]] - soup.points[t[k]]).sqrnorm();
+      if (k == 0 || squared > s.longest_squared) s.longest_squared = squared, s.longest = k;
+      if (k == 0 || squared < s.shortest_squared) s.shortest_squared = squared, s.shortest = k;
+    }
+    if (s.longest_squared > 0) s.height_squared = area_vector(soup, t).sqrnorm() / s.longest_squared;
+    return s;
+  }
+
+  static bool is_flat(const Soup& soup, const Triangle& t, const Shape& s, double flatness) {
+    if (s.height_squared <= flatness * flatness * s.longest_squared) return true;
+    // Far above the rounding of an area the corners are not on one line.
+    return s.height_squared <= 1e-24 * s.longest_squared &&
+           collinear_exact(soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]);
+  }
+
+  static Measure measure(const Soup& soup, const Triangle& t, const RemoveDegenerateOptions& options) {
+    if (repeats_vertex(t)) return {1, 0};
+    const Shape s = shape_of(soup, t);
+    if (s.shortest_squared <= options.shortest_edge * options.shortest_edge || is_flat(soup, t, s, options.flatness))
+      return {1, s.longest_squared};
+    return {};
+  }
+
+ private:
+  using List = std::vector<std::uint32_t>;
+
+  Measure measure(const Triangle& t) const { return measure(work_, t, options_); }
+  const Vec3& point(std::uint32_t v) const { return work_.points[v]; }
+
+  const List& triangles_at(std::uint32_t v) {
+    std::erase_if(at_[v], [&](std::uint32_t t) { return !alive_[t] || !has(t, v); });
+    return at_[v];
+  }
+  bool has(std::uint32_t t, std::uint32_t v) const { return std::ranges::find(work_.triangles[t], v) != work_.triangles[t].end(); }
+  List triangles_at_edge(std::uint32_t a, std::uint32_t b) {
+    List result;
+    for (const std::uint32_t t : triangles_at(a))
+      if (has(t, b)) result.push_back(t);
+    return result;
+  }
+  static std::uint32_t third(const Triangle& t, std::uint32_t a, std::uint32_t b) {
+    for (const std::uint32_t v : t)
+      if (v != a && v != b) return v;
+    return a;
+  }
+  static Triangle replaced(Triangle t, std::uint32_t from, std::uint32_t to) {
+    std::ranges::replace(t, from, to);
+    return t;
+  }
+  std::set<std::uint32_t> neighbors(std::uint32_t v) {
+    std::set<std::uint32_t> result;
+    for (const std::uint32_t t : triangles_at(v)) result.insert(work_.triangles[t].begin(), work_.triangles[t].end());
+    result.erase(v);
+    return result;
+  }
+  /// On an edge that has not just two triangles.
+  bool special(std::uint32_t v) {
+    for (const std::uint32_t n : neighbors(v))
+      if (triangles_at_edge(v, n).size() != 2) return true;
+    return false;
+  }
+
+  void kill(std::uint32_t t) { alive_[t] = 0; }
+  void note_changed(std::uint32_t t) {
+    changed_[t] = 1;
+    if (measure(work_.triangles[t]).degenerate) new_degenerate_.push_back(t);
+  }
+  void add(const Triangle& triangle, std::uint32_t source) {
+    const auto t = static_cast<std::uint32_t>(work_.triangles.size());
+    add_triangle_in(work_, triangle, source);
+    alive_.push_back(1);
+    changed_.push_back(0);
+    for (const std::uint32_t v : triangle) at_[v].push_back(t);
+    note_changed(t);
+  }
+
+  bool remove(std::uint32_t t) {
+    const Triangle corners = work_.triangles[t];
+    if (repeats_vertex(corners)) {
+      kill(t);
+      return true;
+    }
+    for (const std::uint32_t other : triangles_at_edge(corners[0], corners[1])) {
+      if (other == t || !has(other, corners[2])) continue;
+      kill(t);  // the twin has the same corners, so it is degenerate as well
+      kill(other);
+      return true;
+    }
+    const Shape shape = shape_of(work_, corners);
+    const bool flat = is_flat(work_, corners, shape, options_.flatness);
+    const bool needle = !flat || shape.shortest_squared <= needle_share * needle_share * shape.longest_squared;
+    if (needle) return collapse(corners, shape) || (flat && split(t, shape));
+    return split(t, shape) || collapse(corners, shape);
+  }
+
+  /// Takes a cap out by splitting its longest side, in all other triangles there, at the vertex opposite.
+  bool split(std::uint32_t t, const Shape& shape) {
+    const Triangle corners = work_.triangles[t];
+    const std::uint32_t a = corners[static_cast<std::size_t>(shape.longest)],
+                        b = corners[static_cast<std::size_t>((shape.longest + 1) % 3)],
+                        c = corners[static_cast<std::size_t>((shape.longest + 2) % 3)];
+    Measure before = measure(corners), after;
+    List others = triangles_at_edge(a, b);
+    std::erase(others, t);
+    std::vector<std::array<Triangle, 2>> halves;
+    for (const std::uint32_t other : others) {
+      const Triangle& o = work_.triangles[other];
+      if (!triangles_at_edge(c, third(o, a, b)).empty()) return false;
+      before.add(measure(o));
+      halves.push_back({replaced(o, b, c), replaced(o, a, c)});
+      for (const Triangle& half : halves.back()) {
+        const Measure m = measure(half);
+        after.add(m);
+        if (m.degenerate == 0 && measure(o).degenerate == 0 && (area_vector(work_, half) | area_vector(work_, o)) <= 0)
+          return false;
+      }
+    }
+    if (!after.well_below(before)) return false;
+    kill(t);
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      for (const Triangle& half : halves[i]) add(half, others[i]);
+      kill(others[i]);
+    }
+    ++caps_;
+    return true;
+  }
+
+  struct Collapse {
+    std::uint32_t goes = 0, stays = 0;
+    double displacement = 0;
+    List vanish, change;
+  };
+
+  /// What a collapse would do, if it is allowed.
+  std::optional<Collapse> check(std::uint32_t goes, std::uint32_t stays, const Shape& shape) {
+    Collapse c{goes, stays, 0, triangles_at_edge(goes, stays), {}};
+    const double squared = (point(goes) - point(stays)).sqrnorm();
+    if (c.vanish.size() == 2 && special(goes)) {
+      if (special(stays) || squared > 0) return std::nullopt;
+    } else if (c.vanish.size() != 2 && squared > needle_share * needle_share * shape.longest_squared) {
+      return std::nullopt;
+    }
+    std::set<std::uint32_t> apexes;
+    for (const std::uint32_t t : c.vanish) apexes.insert(third(work_.triangles[t], goes, stays));
+    const std::set<std::uint32_t> around = neighbors(stays);
+    for (const std::uint32_t n : neighbors(goes)) {
+      if (n == stays || !around.contains(n)) continue;
+      if (!apexes.contains(n)) return std::nullopt;
+      const std::size_t one = triangles_at_edge(goes, n).size(), two = triangles_at_edge(stays, n).size();
+      std::size_t between = 0;
+      for (const std::uint32_t t : c.vanish) between += has(t, n);
+      if (one + two - 2 * between > std::max(one, two)) return std::nullopt;
+    }
+    Measure before, after;
+    for (const std::uint32_t t : c.vanish) before.add(measure(work_.triangles[t]));
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t t : triangles_at(goes)) {
+      if (has(t, stays)) continue;
+      const Triangle &old = work_.triangles[t], now = replaced(old, goes, stays);
+      c.change.push_back(t);
+      before.add(measure(old));
+      after.add(measure(now));
+      nearest = std::min(nearest, (closest_on_triangle({point(now[0]), point(now[1]), point(now[2])}, point(goes)) - point(goes)).norm());
+      for (const std::uint32_t other : triangles_at(stays))
+        if (other != t && has(other, now[0]) && has(other, now[1]) && has(other, now[2])) return std::nullopt;
+    }
+    if (!after.well_below(before)) return std::nullopt;
+    c.displacement = c.change.empty() ? std::sqrt(squared) : nearest;
+    if (c.displacement > options_.max_deviation) return std::nullopt;
+    const double least_cosine = c.displacement * c.displacement > shape.height_squared ? 0.5 : 0;
+    for (const std::uint32_t t : c.change) {
+      const Triangle &old = work_.triangles[t], now = replaced(old, goes, stays);
+      if (measure(old).degenerate || measure(now).degenerate) continue;
+      const Vec3 m = area_vector(work_, old), n = area_vector(work_, now);
+      if ((m | n) <= least_cosine * m.norm() * n.norm()) return std::nullopt;
+    }
+    return c;
+  }
+
+  bool collapse(const Triangle& corners, const Shape& shape) {
+    std::optional<Collapse> best;
+    for (int k = 0; k < 3; ++k) {
+      if (k == shape.longest && shape.longest != shape.shortest) continue;
+      const std::uint32_t a = corners[static_cast<std::size_t>(k)], b = corners[static_cast<std::size_t>((k + 1) % 3)];
+      for (const auto& [goes, stays] : {std::pair{std::max(a, b), std::min(a, b)}, std::pair{std::min(a, b), std::max(a, b)}}) {
+        std::optional<Collapse> c = check(goes, stays, shape);
+        if (c && (!best || c->displacement < best->displacement)) best = std::move(c);
+      }
+    }
+    if (!best) return false;
+    for (const std::uint32_t t : best->change) {
+      carry_corner(*best, t);
+      work_.triangles[t] = replaced(work_.triangles[t], best->goes, best->stays);
+      at_[best->stays].push_back(t);
+    }
+    for (const std::uint32_t t : best->vanish) kill(t);
+    for (const std::uint32_t t : best->change) note_changed(t);
+    ++needles_;
+    return true;
+  }
+
+  /// A corner that moves takes the values of the vertex it moves to, if a vanishing triangle says what they are on this
+  /// side of a seam.
+  void carry_corner(const Collapse& c, std::uint32_t t) {
+    if (work_.corner_scalars.empty()) return;
+    const auto corner = [&](std::uint32_t triangle, std::uint32_t v) {
+      return 3 * triangle + static_cast<std::size_t>(std::ranges::find(work_.triangles[triangle], v) - work_.triangles[triangle].begin());
+    };
+    for (const std::uint32_t gone : c.vanish) {
+      bool same = true;
+      for (const auto& [name, values] : work_.corner_scalars) same &= values[corner(gone, c.goes)] == values[corner(t, c.goes)];
+      if (!same) continue;
+      for (auto& [name, values] : work_.corner_scalars) values[corner(t, c.goes)] = values[corner(gone, c.stays)];
+      return;
+    }
+  }
+
+  void finish(Soup& result) {
+    for (std::uint32_t t = 0, number = 0; t < alive_.size(); ++t) {
+      if (alive_[t] && changed_[t]) report_.touched_faces.push_back(number);
+      number += alive_[t] != 0;
+    }
+    const std::size_t given = result.triangles.size();
+    for (std::size_t t = 0; t < alive_.size(); ++t) {
+      report_.faces_removed += t < given && !alive_[t];
+      report_.faces_added += t >= given && alive_[t];
+    }
+    if (caps_ > 0) report_.figures["caps removed"] = caps_;
+    if (needles_ > 0) report_.figures["needles collapsed"] = needles_;
+    context_.checkpoint();
+    keep_triangles(work_, alive_);
+    std::vector<char> used(work_.points.size(), 0);
+    for (const Triangle& t : work_.triangles)
+      for (const std::uint32_t v : t) used[v] = 1;
+    std::vector<std::uint32_t> number(used.size());
+    std::uint32_t next = 0;
+    for (std::size_t v = 0; v < used.size(); ++v) number[v] = used[v] || !used_before_[v] ? next++ : dropped_point;
+    report_.vertices_removed = used.size() - next;
+    if (report_.vertices_removed > 0) renumber_points(work_, number, next);
+    result = std::move(work_);
+  }
+
+  Soup work_;
+  const RemoveDegenerateOptions& options_;
+  Context& context_;
+  std::vector<char> alive_, changed_, used_before_;
+  std::vector<List> at_;  // triangles at each vertex, and some that were there
+  List new_degenerate_;
+  double caps_ = 0, needles_ = 0;
+  Report report_;
+};
+
+}  // namespace
+
+const OptionSchema& RemoveDegenerateOptions::schema() {
+  using O = RemoveDegenerateOptions;
+  static const OptionSchema schema =
+      Schema<O>()
+          .number("flatness", &O::flatness,
+                  {.min = 0, .max = 0.1, .help = "height over longest side up to which a triangle is degenerate"})
+          .number("shortest-edge", &O::shortest_edge, {.unit = "mm", .min = 0, .help = "edges no longer are collapsed"})
+          .number("max-deviation", &O::max_deviation,
+                  {.unit = "mm", .min = 0, .infinite = true, .help = "how far a collapse may move the surface"});
+  return schema;
+}
+
+Report remove_degenerate(Soup& soup, const RemoveDegenerateOptions& options, Context& context) {
+  validate(options);
+  check_soup(soup);
+  context.checkpoint();
+  context.progress("remove-degenerate", 0);
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i)
+    if (Cleaner::measure(soup, soup.triangles[i], options).degenerate) found.push_back(i);
+  Report report;
+  report.operation = "remove-degenerate";
+  if (!found.empty()) report = Cleaner(soup, options, context).run(found, soup);
+  context.progress("remove-degenerate", 1);
+  return report;
+}
+
+}  // namespace tri
