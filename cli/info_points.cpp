@@ -15,6 +15,10 @@ const char* name_of(PointsFormat format) {
       return "PLY";
     case PointsFormat::pcd:
       return "PCD";
+    case PointsFormat::ptx:
+      return "PTX";
+    case PointsFormat::e57:
+      return "E57";
     case PointsFormat::mesh:
       return "vertices of a mesh file";
   }

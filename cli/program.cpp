@@ -63,7 +63,7 @@ std::string kind_of(const std::string& path) {
   };
   if (is_one_of({"igs", "iges", "stp", "step", "brep"})) return "cad";
   if (is_one_of({"stl", "obj", "off", "ply"})) return "mesh";
-  if (is_one_of({"xyz", "asc", "csv", "txt", "pts", "pcd"})) return "points";
+  if (is_one_of({"xyz", "asc", "csv", "txt", "pts", "pcd", "ptx", "e57"})) return "points";
   return "";
 }
 

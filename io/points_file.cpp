@@ -26,17 +26,16 @@ bool is_iges(std::string_view bytes) {
 
 void refuse_other_kinds(std::string_view bytes, const std::string& name) {
   const auto refuse = [&name](const std::string& what) {
-    throw IoError(name, "is not a text, PLY or PCD file of points: " + what);
+    throw IoError(name, "is not a text, PTX, PLY, PCD or E57 file of points: " + what);
   };
   if (bytes.starts_with("ISO-10303-21") || is_iges(bytes)) refuse("it is a CAD model");
-  if (bytes.starts_with("ASTM-E57")) refuse("E57 is not read");
   if (bytes.starts_with("LASF")) refuse("LAS is not read");
   if (bytes.starts_with("\x1f\x8b") || bytes.starts_with("PK\x03\x04")) refuse("it is compressed");
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) refuse("it is UTF-16 text");
-  if (file_extension(name) == "ptx") refuse("PTX is not read");
   const std::size_t zero = bytes.substr(0, 1 << 16).find('\0');
   if (zero != std::string_view::npos)
-    throw IoError(name, "is not a text, PLY or PCD file of points: it holds binary data", IoError::Unit::byte, zero);
+    throw IoError(name, "is not a text, PTX, PLY, PCD or E57 file of points: it holds binary data", IoError::Unit::byte,
+                  zero);
 }
 
 PointSet from_mesh(std::string_view bytes, const std::string& name, Context& context, PointsFileInfo& info) {
@@ -88,8 +87,13 @@ PointSet parse_points(std::string_view bytes, const std::string& name, Context& 
     set = from_mesh(bytes, name, context, what);
   } else if (has_pcd_header(bytes) || extension == "pcd") {
     set = parse_pcd(bytes, name, context, what);
+  } else if (bytes.starts_with("ASTM-E57")) {
+    set = parse_e57(bytes, name, context, what);
+  } else if (extension == "ptx" || has_ptx_header(bytes)) {
+    set = parse_ptx(bytes, name, context, what);
   } else {
     refuse_other_kinds(bytes, name);
+    if (extension == "e57") throw IoError(name, "is no E57 file: it does not begin with ASTM-E57");
     set = parse_points_text(bytes, name, context, what);
   }
   if (set.points.empty()) throw IoError(name, "holds no point");

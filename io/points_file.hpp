@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -10,7 +11,19 @@
 
 namespace tri {
 
-enum class PointsFormat { text, ply, pcd, mesh };
+enum class PointsFormat { text, ply, pcd, mesh, ptx, e57 };
+
+/// One position of the scanner, of a file that holds several (PTX, E57).
+struct ScanInfo {
+  std::string name;           ///< as the file says; may be empty
+  std::string sensor;         ///< vendor, model and serial number, if the file says
+  std::uint64_t points = 0;   ///< that were read
+  std::uint64_t skipped = 0;  ///< records without a return or a valid coordinate
+  bool has_pose = false;      ///< the pose is not the identity; it was applied to the points
+  std::array<Vec3, 3> rotation{Vec3(1, 0, 0), Vec3(0, 1, 0),
+                               Vec3(0, 0, 1)};  ///< rows; point = rotation * own + translation
+  Vec3 translation{0, 0, 0};
+};
 
 /// What a file of points held, beside the points.
 struct PointsFileInfo {
@@ -19,13 +32,14 @@ struct PointsFileInfo {
   /// Unit of the coordinates where the format defines one ("m" for E57), in the names of the command line; else empty.
   std::string unit;
   std::uint64_t points_skipped =
-      0;  ///< PCD only: points all of whose coordinates are NaN, which marks them as not measured
+      0;  ///< records that mark a place without a measurement: NaN in PCD, 0 0 0 in PTX, an invalid state in E57
+  std::vector<ScanInfo> scans;  ///< of PTX and E57, in the order of the file; points are in this order too
   /// Header lines, ignored columns, how normals were recognised …: one sentence each.
   std::vector<std::string> notes;
 };
 
-/// Reads points from text (XYZ, ASC, CSV, TXT …), PLY or PCD; the vertices of a mesh in STL, OBJ or OFF count as points
-/// too.
+/// Reads points from text (XYZ, ASC, CSV, TXT …), PLY, PCD, PTX or E57; the vertices of a mesh in STL, OBJ or OFF count
+/// as points too. Coordinates are in the unit of the file.
 ///
 /// Text: one point a line, columns separated by blanks, tabs, commas or semicolons. A comma is the decimal point if
 /// columns are separated by semicolons or blanks and no full stop occurs. Lines before the first point that do not
@@ -37,6 +51,11 @@ struct PointsFileInfo {
 /// a point, 48 with normals, and the mapped file.
 ///
 /// PCD: ASCII, binary and binary_compressed, version 0.7. Points whose coordinates are all NaN are skipped and counted.
+///
+/// PTX and E57: all scans of the file in a common frame, each with its pose applied; with more than one, the column "scan"
+/// holds its 1-based number. Records without a return are skipped and counted. PTX: intensity and colours where there are
+/// any. E57: bit-packed, scaled and floating fields, cartesian or spherical; intensity as it is; colours scaled to 0 to 255
+/// by the file's limits; normals; every other numeric field under its name. Checksums are verified.
 ///
 /// @param path file name, or "-" for standard input
 /// @param info if given, receives what else is known about the file; `notes` also go to the context's log

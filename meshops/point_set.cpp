@@ -36,7 +36,6 @@ void for_each_column(PointSet& set, const Function& function) {
 template <class T>
 void join(std::vector<T>& column, const std::vector<T>& more, std::size_t before, std::size_t after, const T& missing) {
   if (column.empty() && more.empty()) return;
-  column.reserve(after);
   column.resize(before, missing);
   column.insert(column.end(), more.begin(), more.end());
   column.resize(after, missing);
