@@ -128,7 +128,8 @@ class ScanParser {
       // A second description of the same place, and what cannot be a number.
       const bool coordinates = name.starts_with("cartesian") || name.starts_with("spherical");
       if (coordinates || scan_.fields[k].kind == E57Field::Kind::text || find(name) != k || name == "scan") {
-        ignored_ += (ignored_.empty() ? "" : ", ") + name;
+        if (!ignored_.empty()) ignored_ += ", ";
+        ignored_ += name;
       } else {
         roles_.scalars.push_back(k);
         use(k);
