@@ -63,6 +63,8 @@ Json triangulate_report(const TriangulateResult& r, const CadModel& model, std::
   json["checks"] = {{"self_intersections", r.checks.self_intersections},
                     {"folds", r.checks.folds},
                     {"turned", r.checks.turned},
+                    {"bridging", r.checks.bridging},
+                    {"bridging_share", r.checks.bridging_share},
                     {"unused_points", r.checks.unused_points}};
   json["seconds"] = Json::object();
   for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = seconds;

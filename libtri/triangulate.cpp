@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "libtri/bridges.hpp"
 #include "libtri/cad_topology.hpp"
 #include "libtri/coverage.hpp"
 #include "libtri/patches.hpp"
@@ -33,6 +34,9 @@ constexpr double farthest_share = 0.05;    // of the diagonal: beyond it the poi
 
 constexpr double few_defects =
     1e-4;  // folded edges and turned triangles per triangle, for `patches` to stand without a contest
+
+constexpr double few_bridges = 1e-3;   // of the area, for the same
+constexpr double noise_floor = 1e-5;   // of the diagonal: no closer does a triangle bridge
 
 /// Notes the time of each step of a triangulation.
 class Stopwatch {
@@ -125,6 +129,15 @@ void describe_coverage(const CadModel& model, std::span<const Foot> feet, Triang
     if (face.points == 0) result.unmeasured_faces.push_back(face.face);
 }
 
+/// The registered points and what they were measured on.
+struct Measured {
+  const CadModel& model;
+  const Registration& registration;
+  std::span<const Vec3> points;
+  std::span<const Foot> feet;
+  double sigma = 0;  ///< mm, of the noise
+};
+
 /// What one method made of the points, and what the checks say of it.
 struct Candidate {
   Method method = Method::shell;
@@ -139,30 +152,39 @@ struct Candidate {
   bool clean() const {
     return right_topology() && checks.self_intersections == 0 &&
            static_cast<double>(checks.folds + checks.turned) <=
-               few_defects * static_cast<double>(mesh.triangles.size());
+               few_defects * static_cast<double>(mesh.triangles.size()) &&
+           checks.bridging_share <= few_bridges;
+  }
+  /// Share of the mesh that is wrong: area that bridges, triangles that cross, edges that are folded.
+  double defects() const {
+    const auto count = static_cast<double>(2 * checks.self_intersections + checks.folds + checks.turned);
+    return checks.bridging_share + count / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size()));
   }
   bool better_than(const Candidate& other) const {
     if (checks.unused_points != other.checks.unused_points) return checks.unused_points < other.checks.unused_points;
     if (right_topology() != other.right_topology()) return right_topology();
-    if (checks.self_intersections != other.checks.self_intersections)
-      return checks.self_intersections < other.checks.self_intersections;
-    return checks.folds + checks.turned < other.checks.folds + other.checks.turned;
+    return defects() < other.defects();
   }
 };
 
-/// Undoes what crossings flips can undo, then checks.
-void finish(Candidate& candidate, std::span<const Vec3> points, std::span<const Foot> feet,
-            const SurfaceTopology& model, const Context& context) {
-  const std::size_t crossings = untangle(points, feet, candidate.mesh, context).size();
-  candidate.checks = check_triangulation(points, feet, candidate.mesh);
+/// Undoes what bridges and crossings can be undone, then checks.
+void finish(Candidate& candidate, const Measured& measured, const SurfaceTopology& model, Context& context) {
+  const double tolerance = 3 * measured.sigma + noise_floor * measured.model.diagonal;
+  const Bridges bridges =
+      lessen_bridges(measured.points, measured.feet, measured.registration, tolerance, candidate.mesh, context);
+  const std::size_t crossings = untangle(measured.points, measured.feet, candidate.mesh, context).size();
+  candidate.checks = check_triangulation(measured.points, measured.feet, candidate.mesh);
+  candidate.checks.bridging = bridges.triangles;
+  candidate.checks.bridging_share = bridges.share();
   candidate.checks.self_intersections = crossings;
   candidate.checks.model = model;
   candidate.checks.mesh = topology(candidate.mesh.triangles, candidate.mesh.neighbors);
 }
 
-Candidate by_patches(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, bool keep_patches,
-                     Stopwatch& watch, Context& context) {
-  PatchConnection connection = connect_by_patches(model, feet, points, {.keep_patches = keep_patches}, context);
+Candidate by_patches(const Measured& measured, bool keep_patches, Stopwatch& watch, Context& context) {
+  const CadModel& model = measured.model;
+  PatchConnection connection =
+      connect_by_patches(model, measured.feet, measured.points, {.keep_patches = keep_patches}, context);
   watch.lap("connect by patches");
   Candidate candidate{Method::patches,
                       std::move(connection.mesh),
@@ -171,7 +193,7 @@ Candidate by_patches(const CadModel& model, std::span<const Vec3> points, std::s
                       {},
                       std::move(connection.reports)};
   const CadTopology cad = cad_topology(model);
-  finish(candidate, points, feet, {cad.components, cad.loops, cad.euler}, context);
+  finish(candidate, measured, {cad.components, cad.loops, cad.euler}, context);
   watch.lap("untangle and check patches");
   for (const int f : connection.failed_faces)
     candidate.notes.push_back(fmt::format(
@@ -183,14 +205,14 @@ Candidate by_patches(const CadModel& model, std::span<const Vec3> points, std::s
   return candidate;
 }
 
-Candidate by_shell(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, Stopwatch& watch,
-                   Context& context) {
+Candidate by_shell(const Measured& measured, Stopwatch& watch, Context& context) {
+  const CadModel& model = measured.model;
   const Tessellation tessellation = tessellate(model, deflection_share * model.diagonal, deflection_angle, context);
   watch.lap("tessellate model");
-  ShellConnection shell = connect_by_shell(model, tessellation, feet, context);
+  ShellConnection shell = connect_by_shell(model, tessellation, measured.feet, context);
   watch.lap("connect by shell");
   Candidate candidate{Method::shell, std::move(shell.mesh), {}, {}, {}, {}};
-  finish(candidate, points, feet, topology(tessellation.triangles, tessellation.neighbors), context);
+  finish(candidate, measured, topology(tessellation.triangles, tessellation.neighbors), context);
   watch.lap("untangle and check shell");
   if (shell.lost_shells > 0)
     candidate.notes.push_back(
@@ -204,17 +226,19 @@ Candidate by_shell(const CadModel& model, std::span<const Vec3> points, std::spa
 /// What is wrong with a candidate, in words.
 std::string describe(const Candidate& candidate) {
   const TriangulationChecks& c = candidate.checks;
-  return fmt::format("{} topology, {} self-intersections, {} folds, {} turned triangles, {} unused points",
-                     c.mesh == c.model ? "exact" : "wrong", c.self_intersections, c.folds, c.turned, c.unused_points);
+  return fmt::format(
+      "{} topology, {} self-intersections, {} folds, {} turned triangles, {:.2g}% of the area bridges, {} unused points",
+      c.mesh == c.model ? "exact" : "wrong", c.self_intersections, c.folds, c.turned, 100 * c.bridging_share,
+      c.unused_points);
 }
 
 /// Runs the method asked for. Automatic runs `patches`, which is the faster, and `shell` only if `patches` is not
 /// clean.
-Candidate connect(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet,
-                  const TriangulateOptions& options, Stopwatch& watch, std::string& reason, Context& context) {
+Candidate connect(const Measured& measured, const TriangulateOptions& options, Stopwatch& watch, std::string& reason,
+                  Context& context) {
   Candidate patches;
   if (options.method != Method::shell || options.keep_patches) {
-    patches = by_patches(model, points, feet, options.keep_patches, watch, context);
+    patches = by_patches(measured, options.keep_patches, watch, context);
     if (options.method == Method::patches) {
       reason = "asked for";
       return patches;
@@ -224,7 +248,7 @@ Candidate connect(const CadModel& model, std::span<const Vec3> points, std::span
     reason = fmt::format("the checks find next to nothing wrong: {}", describe(patches));
     return patches;
   }
-  Candidate shell = by_shell(model, points, feet, watch, context);
+  Candidate shell = by_shell(measured, watch, context);
   if (options.method == Method::automatic) {
     const bool take_shell = shell.better_than(patches);
     reason = fmt::format("the better of patches ({}) and shell ({})", describe(patches), describe(shell));
@@ -250,6 +274,9 @@ void note_checks(const Candidate& candidate, TriangulateResult& result) {
     result.notes.push_back(fmt::format("{} pairs of triangles cross each other", c.self_intersections));
   if (c.folds > 0) result.notes.push_back(fmt::format("{} edges are folded by more than 150 degrees", c.folds));
   if (c.turned > 0) result.notes.push_back(fmt::format("{} triangles face against the model", c.turned));
+  if (c.bridging_share > few_bridges)
+    result.notes.push_back(fmt::format("{} triangles, {:.2g}% of the area, stand across the model where its faces got too few "
+                                       "points", c.bridging, 100 * c.bridging_share));
   if (c.unused_points > 0) result.notes.push_back(fmt::format("{} points could not be connected", c.unused_points));
 }
 
@@ -271,7 +298,7 @@ void triangulate_sorted(const CadModel& model, const Registration& registration,
   describe_coverage(model, feet, result);
   watch.lap("classify points");
 
-  Candidate best = connect(model, points, feet, options, watch, result.method_reason, context);
+  Candidate best = connect({model, registration, points, feet, result.sigma}, options, watch, result.method_reason, context);
   result.method = best.method;
   result.checks = best.checks;
   result.steps = std::move(best.steps);

@@ -60,6 +60,8 @@ struct TriangulationChecks {
   std::uint64_t self_intersections = 0;  ///< pairs of triangles
   std::uint64_t folds = 0;             ///< edges folded by more than 150 degrees
   std::uint64_t turned = 0;            ///< triangles that face against the model
+  std::uint64_t bridging = 0;          ///< triangles that stand across the model, as `Bridges` says
+  double bridging_share = 0;           ///< of the mesh's area, in [0, 1]
   std::uint64_t unused_points = 0;     ///< points that are neither vertex nor reported as outlier or duplicate; 0 unless broken
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "libtri/crossing_search.hpp"
 #include "libtri/shell/edit_mesh.hpp"
 #include "meshops/overlap_tree.hpp"
 #include "meshops/self_intersections.hpp"
@@ -26,8 +27,8 @@ class Untangler {
     edit_.creases.assign(edit_.triangles.size(), 0);
     edit_.vertices.resize(points.size());
     edit_.index_vertices();
-    changed_.assign(edit_.triangles.size(), false);
     collect_zone(pairs);
+    search_.emplace(points_, edit_.triangles, zone_);
   }
 
   /// Crossing pairs among the triangles of the zone.
@@ -41,7 +42,7 @@ class Untangler {
   }
 
   std::size_t round(const Pairs& pairs, const Context& context) {
-    build_tree();
+    search_->refresh();
     std::vector<std::uint32_t> tangled;
     for (const auto& pair : pairs) tangled.insert(tangled.end(), pair.begin(), pair.end());
     std::sort(tangled.begin(), tangled.end());
@@ -59,8 +60,8 @@ class Untangler {
       if (best_side < 0) continue;
       const std::int32_t n = edit_.neighbors[t][best_side];
       edit_.flip(static_cast<std::int32_t>(t), best_side);
-      for (std::uint32_t x : {t, static_cast<std::uint32_t>(n)})
-        if (!changed_[x]) changed_[x] = true, changed_list_.push_back(x);
+      search_->note_change(t);
+      search_->note_change(static_cast<std::uint32_t>(n));
       ++flips;
     }
     return flips;
@@ -92,41 +93,10 @@ class Untangler {
     }
   }
 
-  void build_tree() {
-    std::vector<Box> boxes(zone_.size());
-    std::vector<std::uint32_t> items(zone_.size());
-    for (std::uint32_t i = 0; i < zone_.size(); ++i) {
-      items[i] = i;
-      boxes[i] = box_of(edit_.triangles[zone_[i]]);
-    }
-    tree_.emplace(std::move(boxes), std::move(items));
-    for (std::uint32_t t : changed_list_) changed_[t] = false;
-    changed_list_.clear();
-  }
-
   Box box_of(const Triangle& t) const {
     Box box;
     for (std::uint32_t v : t) box.grow(points_[v]);
     return box;
-  }
-
-  long crossings_of(const Triangle& q, std::int32_t skip_a, std::int32_t skip_b) const {
-    const std::array<Vec3, 3> a{points_[q[0]], points_[q[1]], points_[q[2]]};
-    const Box box = box_of(q);
-    long count = 0;
-    const auto test = [&](std::uint32_t u) {
-      if (static_cast<std::int32_t>(u) == skip_a || static_cast<std::int32_t>(u) == skip_b) return;
-      const Triangle& r = edit_.triangles[u];
-      for (std::uint32_t v : q)
-        if (v == r[0] || v == r[1] || v == r[2]) return;
-      count += triangles_intersect(a, {points_[r[0]], points_[r[1]], points_[r[2]]});
-    };
-    tree_->overlapping(box, 0, [&](std::uint32_t i) {
-      if (!changed_[zone_[i]]) test(zone_[i]);
-    });
-    for (std::uint32_t u : changed_list_)
-      if (box_of(edit_.triangles[u]).overlaps(box)) test(u);
-    return count;
   }
 
   bool turned(const Triangle& t) const {
@@ -146,18 +116,17 @@ class Untangler {
     if (a == d || edit_.has_edge(a, d)) return 0;
     const Triangle first{a, b, d}, second{a, d, c};
     if (turned(first) + turned(second) > turned(q) + turned(edit_.triangles[n])) return 0;
-    const long before = crossings_of(q, t, n) + crossings_of(edit_.triangles[n], t, n);
+    const std::array<std::int32_t, 2> both{t, n};
+    const long before = search_->count(q, both) + search_->count(edit_.triangles[n], both);
     if (before == 0) return 0;
-    return before - crossings_of(first, t, n) - crossings_of(second, t, n);
+    return before - search_->count(first, both) - search_->count(second, both);
   }
 
   std::span<const Vec3> points_;
   std::span<const Foot> feet_;
   EditMesh edit_;
   std::vector<std::uint32_t> zone_;  // ascending
-  std::optional<OverlapTree> tree_;  // of positions in zone_
-  std::vector<bool> changed_;
-  std::vector<std::uint32_t> changed_list_;
+  std::optional<CrossingSearch> search_;
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "libtri/shell/edit_mesh.hpp"
 
+#include <algorithm>
+
 namespace tri {
 
 void EditMesh::index_vertices() {
@@ -137,32 +139,34 @@ std::uint32_t EditMesh::split_edge(std::int32_t t, int k, const Vertex& vertex) 
 }
 
 void EditMesh::replace_star(std::uint32_t v, const Star& star, std::span<const Triangle> patch) {
-  // What lies outside each ring edge, to be linked again.
+  replace(star.fan, patch);
+  vertex_triangle[v] = -1;
+}
+
+void EditMesh::replace(std::span<const std::int32_t> old, std::span<const Triangle> patch) {
+  // What lies outside each side of the region, to be linked again.
   struct Outer {
     std::uint32_t a, b;
     std::int32_t triangle;
     bool crease;
   };
   std::vector<Outer> outer;
-  outer.reserve(star.fan.size());
-  for (std::int32_t t : star.fan) {
-    const int c = corner(t, v);
-    outer.push_back({triangles[t][(c + 1) % 3], triangles[t][(c + 2) % 3], neighbors[t][c], (creases[t] >> c & 1) != 0});
-  }
-  for (std::size_t i = 0; i < star.fan.size(); ++i) {
-    const std::int32_t t = star.fan[i];
-    if (i < patch.size()) {
-      triangles[t] = patch[i];
-      neighbors[t] = {-1, -1, -1};
-    } else {
-      triangles[t] = {0, 0, 0};
-      neighbors[t] = {-1, -1, -1};
+  outer.reserve(old.size() + 2);
+  for (std::int32_t t : old)
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t n = neighbors[t][k];
+      if (n >= 0 && std::find(old.begin(), old.end(), n) != old.end()) continue;
+      outer.push_back({triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3], n, (creases[t] >> k & 1) != 0});
     }
+  for (std::size_t i = 0; i < old.size(); ++i) {
+    const std::int32_t t = old[i];
+    triangles[t] = i < patch.size() ? patch[i] : Triangle{0, 0, 0};
+    neighbors[t] = {-1, -1, -1};
     creases[t] = 0;
   }
   for (std::size_t i = 0; i < patch.size(); ++i)
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t t = star.fan[i];
+      const std::int32_t t = old[i];
       const std::uint32_t a = patch[i][(k + 1) % 3], b = patch[i][(k + 2) % 3];
       for (const Outer& o : outer)
         if (o.a == a && o.b == b) {
@@ -177,9 +181,9 @@ void EditMesh::replace_star(std::uint32_t v, const Star& star, std::span<const T
       for (std::size_t j = 0; j < patch.size(); ++j)
         if (j != i)
           for (int m = 0; m < 3; ++m)
-            if (patch[j][(m + 1) % 3] == b && patch[j][(m + 2) % 3] == a) neighbors[t][k] = star.fan[j];
+            if (patch[j][(m + 1) % 3] == b && patch[j][(m + 2) % 3] == a) neighbors[t][k] = old[j];
     }
-  // Ring edges that the patch leaves out become boundary of what lies outside them.
+  // Sides that the patch leaves out become boundary of what lies outside them.
   for (const Outer& o : outer) {
     if (o.triangle < 0) continue;
     bool used = false;
@@ -190,11 +194,10 @@ void EditMesh::replace_star(std::uint32_t v, const Star& star, std::span<const T
     for (int j = 0; j < 3; ++j)
       if (q[(j + 1) % 3] == o.b && q[(j + 2) % 3] == o.a) neighbors[o.triangle][j] = -1;
   }
-  vertex_triangle[v] = -1;
   for (const Outer& o : outer)
     if (o.triangle >= 0) vertex_triangle[o.a] = vertex_triangle[o.b] = o.triangle;
   for (std::size_t i = 0; i < patch.size(); ++i)
-    for (std::uint32_t w : patch[i]) vertex_triangle[w] = star.fan[i];
+    for (std::uint32_t w : patch[i]) vertex_triangle[w] = old[i];
 }
 
 }  // namespace tri

@@ -66,6 +66,10 @@ class EditMesh {
 
   /// Replaces the star of `v` by `patch` (triangles over the ring's vertices, at most as many as the fan has) and removes `v`.
   void replace_star(std::uint32_t v, const Star& star, std::span<const Triangle> patch);
+
+  /// Replaces the triangles `old`, which form one disc, by `patch`, at most as many. Every corner keeps a triangle, in the
+  /// patch or beyond the region.
+  void replace(std::span<const std::int32_t> old, std::span<const Triangle> patch);
 };
 
 }  // namespace tri
