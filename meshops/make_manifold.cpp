@@ -1,8 +1,9 @@
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
+#include "meshops/crowded_edges.hpp"
 #include "meshops/side_pairs.hpp"
 
 namespace tri {
@@ -65,41 +66,8 @@ std::vector<std::uint32_t> triangles_to_reverse(std::span<const Triangle> triang
   return result;
 }
 
-/// Pairs the sides of one edge so that each pair encloses material: in angular order about the edge, a side that runs
-/// against its direction opens a wedge of material and one that runs along it closes the wedge.
-void pair_by_angle(std::span<const Triangle> triangles, std::span<const Vec3> points, Group sides, SidePairs& pairs) {
-  const auto [u, v] = edge_of(triangles, sides.front());
-  const Vec3 axis = points[v] - points[u];
-  std::vector<Vec3> arms;
-  for (const Side side : sides) {
-    const Vec3 arm = points[opposite_of(triangles, side)] - points[u];
-    arms.push_back(arm * axis.sqrnorm() - axis * (arm | axis));
-  }
-  const auto longest = std::max_element(arms.begin(), arms.end(),
-                                        [](const Vec3& a, const Vec3& b) { return a.sqrnorm() < b.sqrnorm(); });
-  const Vec3 x = *longest, y = axis % x;
-  const double y_scale = x.norm() / std::max(y.norm(), std::numeric_limits<double>::min());
-  std::vector<std::pair<double, Side>> order;
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    order.emplace_back(std::atan2((arms[i] | y) * y_scale, arms[i] | x), sides[i]);
-  // A coordinate that is not finite gives no angle; the order of the list then stands in.
-  for (auto& [angle, side] : order)
-    if (!std::isfinite(angle)) angle = 0;
-  std::sort(order.begin(), order.end());
-
-  std::vector<Side> open;
-  for (int round = 0; round < 2; ++round) {
-    for (const auto& [angle, side] : order) {
-      if (pairs.twin[side] != none) continue;
-      if (from_of(triangles, side) != u) {
-        if (round == 0) open.push_back(side);
-      } else if (!open.empty()) {
-        pairs.twin[side] = open.back();
-        pairs.twin[open.back()] = side;
-        open.pop_back();
-      }
-    }
-  }
+void turn_around(std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& which) {
+  for (const std::uint32_t t : which) std::swap(triangles[t][1], triangles[t][2]);
 }
 
 void cut(SidePairs& pairs, Side side) {
@@ -232,7 +200,7 @@ ManifoldRepairs make_manifold(std::vector<Triangle>& triangles, std::span<const 
   ManifoldRepairs repairs;
   if (!pairs.same_way.empty()) {
     repairs.reversed_triangles = triangles_to_reverse(triangles, pairs, context);
-    for (const std::uint32_t t : repairs.reversed_triangles) std::swap(triangles[t][1], triangles[t][2]);
+    turn_around(triangles, repairs.reversed_triangles);
     if (!repairs.reversed_triangles.empty()) pairs = pair_sides(triangles, points.size(), context);
   }
   std::vector<Group> groups;
@@ -240,9 +208,21 @@ ManifoldRepairs make_manifold(std::vector<Triangle>& triangles, std::span<const 
     repairs.cut.push_back(edge_of(triangles, a));
     groups.push_back({a, b});
   }
+  if (!pairs.crowded.empty()) {
+    const std::vector<std::uint32_t> turned = pair_crowded_sides(triangles, points, pairs, true);
+    if (!turned.empty()) {
+      turn_around(triangles, turned);
+      std::vector<std::uint32_t> once;
+      std::ranges::set_symmetric_difference(repairs.reversed_triangles, turned, std::back_inserter(once));
+      repairs.reversed_triangles = std::move(once);
+      pairs = pair_sides(triangles, points.size(), context);
+      groups.clear();
+      for (const auto& [a, b] : pairs.same_way) groups.push_back({a, b});
+      pair_crowded_sides(triangles, points, pairs, false);
+    }
+  }
   for (const Group& group : pairs.crowded) {
     repairs.crowded.push_back(edge_of(triangles, group.front()));
-    pair_by_angle(triangles, points, group, pairs);
     groups.push_back(group);
   }
   pairs.same_way.clear();

@@ -45,9 +45,9 @@ struct ManifoldRepairs {
 /// Turns triangles with any topology into oriented manifold ones, by reversing triangles and by copying vertices.
 ///
 /// Reversal: within each set of triangles joined over edges of two sides, all run the same way afterwards, and the
-/// majority keeps its direction. A set that is not orientable is cut along edges. Edges of three or more sides: the
-/// sides are paired in angular order about the edge so that each pair encloses material (two solids that touch in an
-/// edge come apart); what is left over becomes boundary. Every further fan of triangles about a vertex gets a copy of
+/// majority keeps its direction. A set that is not orientable is cut along edges. Edges of three or more sides: see
+/// `pair_crowded_sides` (two solids that touch in an edge come apart, a fin comes off); what is left over becomes
+/// boundary. Every further fan of triangles about a vertex gets a copy of
 /// the vertex, appended after the points. No edge is there twice afterwards. No triangle is dropped.
 /// @param triangles changed in place; their order stays
 /// @param pairs of `triangles`; on return `twin` fits the result and the other two are empty

@@ -118,6 +118,14 @@ std::uint32_t add_point_between(Soup& soup, std::uint32_t a, std::uint32_t b, do
   return static_cast<std::uint32_t>(soup.points.size() - 1);
 }
 
+void move_point_between(Soup& soup, std::uint32_t a, std::uint32_t b, double t) {
+  add_point_between(soup, a, b, t);
+  for_point_lists(soup, [&](auto& list) {
+    list[a] = list.back();
+    list.pop_back();
+  });
+}
+
 void add_triangle_in(Soup& soup, const Triangle& triangle, std::uint32_t source) {
   const Triangle from = soup.triangles[source];
   soup.triangles.push_back(triangle);

@@ -39,6 +39,9 @@ std::uint32_t copy_point(Soup& soup, std::uint32_t point);
 /// @param t share of `b`, in [0,1]
 std::uint32_t add_point_between(Soup& soup, std::uint32_t a, std::uint32_t b, double t);
 
+/// Moves point `a` towards `b`, its attributes interpolated in the same way.
+void move_point_between(Soup& soup, std::uint32_t a, std::uint32_t b, double t);
+
 /// Appends a triangle with the face attributes of triangle `source`. Corner attributes come from the corner of `source`
 /// that has the same point; a point that is no corner of it gets them interpolated where it lies in the plane of
 /// `source`, within its bounds.

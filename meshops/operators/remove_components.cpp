@@ -1,0 +1,74 @@
+#include "meshops/operators/remove_components.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "meshops/soup_components.hpp"
+#include "meshops/soup_edit.hpp"
+
+namespace tri {
+
+const OptionSchema& RemoveComponentsOptions::schema() {
+  using O = RemoveComponentsOptions;
+  static const OptionSchema schema =
+      Schema<O>()
+          .number("min-area", &O::min_area, {.unit = "mm2", .min = 0, .help = "components of less area go"})
+          .number("min-volume", &O::min_volume,
+                  {.unit = "mm3", .min = 0, .help = "components that enclose less go; open ones enclose nothing"})
+          .integer("min-triangles", &O::min_triangles, {.unit = "triangles", .min = 0, .help = "components of fewer go"})
+          .integer("keep", &O::keep,
+                   {.unit = "components", .min = 0, .help = "how many stay, those of the largest area; 0: all"});
+  return schema;
+}
+
+Report remove_components(Soup& soup, const RemoveComponentsOptions& options, Context& context) {
+  validate(options);
+  check_soup(soup);
+  context.checkpoint();
+  Report report;
+  report.operation = "remove-components";
+  if (options.min_area == 0 && options.min_volume == 0 && options.min_triangles == 0 && options.keep == 0) return report;
+
+  const Shells shells = find_shells(soup, context);
+  const SoupComponents found = find_components(soup, shells, context);
+  std::vector<double> volume(found.components.size(), 0);
+  for (const Shell& shell : shells.shells) volume[found.of_triangle[shell.triangles[0]]] += std::abs(shell.volume);
+  std::vector<std::uint32_t> stay;
+  for (std::uint32_t i = 0; i < found.components.size(); ++i) {
+    const SoupComponent& c = found.components[i];
+    if (c.area >= options.min_area && volume[i] >= options.min_volume &&
+        c.triangles >= static_cast<std::uint64_t>(options.min_triangles))
+      stay.push_back(i);
+  }
+  if (options.keep > 0 && stay.size() > static_cast<std::size_t>(options.keep)) {
+    std::ranges::stable_sort(stay, std::ranges::greater(), [&](std::uint32_t i) { return found.components[i].area; });
+    stay.resize(static_cast<std::size_t>(options.keep));
+  }
+  context.checkpoint();
+  report.figures["components kept"] = static_cast<double>(stay.size());
+  if (stay.size() == found.components.size()) return report;
+  std::vector<char> stays(found.components.size(), 0);
+  for (const std::uint32_t i : stay) stays[i] = 1;
+  double area = 0;
+  for (std::size_t i = 0; i < stays.size(); ++i)
+    if (!stays[i]) area += found.components[i].area;
+  report.figures["components removed"] = static_cast<double>(stays.size() - stay.size());
+  report.figures["area removed"] = area;
+
+  std::vector<char> keep(soup.triangles.size()), used(soup.points.size(), 0), had(soup.points.size(), 0);
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    keep[i] = stays[found.of_triangle[i]];
+    report.faces_removed += !keep[i];
+    for (const std::uint32_t v : soup.triangles[i]) (keep[i] ? used : had)[v] = 1;
+  }
+  keep_triangles(soup, keep);
+  std::vector<std::uint32_t> number(soup.points.size());
+  std::uint32_t next = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) number[v] = used[v] || !had[v] ? next++ : dropped_point;
+  report.vertices_removed = number.size() - next;
+  if (report.vertices_removed > 0) renumber_points(soup, number, next);
+  return report;
+}
+
+}  // namespace tri
