@@ -4,9 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
+
+#include "meshops/key_sort.hpp"
 
 namespace tri {
 
@@ -21,31 +21,7 @@ std::uint32_t spread(std::uint32_t x) {
   return x;
 }
 
-struct Entry {
-  std::uint32_t key, index;
-};
-
-constexpr std::size_t block_size = 1 << 16;  // entries; fixed, though the result would not depend on it
-constexpr int digit_bits = 11;
-constexpr std::uint32_t digits = 1 << digit_bits;
-
-// One stable pass of a radix sort: every block counts its digits, and writes to the places that the counts before leave.
-void sort_digit(std::vector<Entry>& entries, std::vector<Entry>& other, int shift) {
-  const std::size_t blocks = (entries.size() + block_size - 1) / block_size;
-  std::vector<std::array<std::uint32_t, digits>> place(blocks);
-  const auto for_blocks = [&](const auto& visit) {
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-      for (std::size_t i = block * block_size; i < std::min((block + 1) * block_size, entries.size()); ++i)
-        visit(place[block], entries[i], entries[i].key >> shift & (digits - 1));
-    });
-  };
-  for_blocks([](auto& mine, const Entry&, std::uint32_t digit) { ++mine[digit]; });
-  std::uint32_t next = 0;
-  for (std::uint32_t digit = 0; digit < digits; ++digit)
-    for (auto& mine : place) next += std::exchange(mine[digit], next);
-  for_blocks([&](auto& mine, const Entry& e, std::uint32_t digit) { other[mine[digit]++] = e; });
-  entries.swap(other);
-}
+constexpr std::size_t block_size = 1 << 16;  // points
 
 }  // namespace
 
@@ -54,7 +30,7 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3> points, const Vec3
   const Vec3 size = high - low;
   const double longest = std::max({size[0], size[1], size[2]});
   const double scale = longest > 0 ? 1024 / longest : 0;
-  std::vector<Entry> entries(points.size());
+  std::vector<KeyedIndex> entries(points.size());
   const tbb::blocked_range<std::size_t> all(0, points.size(), block_size);
   tbb::parallel_for(all, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -69,11 +45,7 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3> points, const Vec3
       entries[i] = {finite ? key : 0x7fffffffu, static_cast<std::uint32_t>(i)};
     }
   });
-  const auto by_key = [](const Entry& a, const Entry& b) { return a.key < b.key; };
-  if (!std::is_sorted(entries.begin(), entries.end(), by_key)) {
-    std::vector<Entry> other(points.size());
-    for (int shift = 0; shift < 3 * digit_bits; shift += digit_bits) sort_digit(entries, other, shift);  // 31 bits
-  }
+  sort_by_key(entries, 31);
   std::vector<std::uint32_t> order(points.size());
   tbb::parallel_for(all, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) order[i] = entries[i].index;
