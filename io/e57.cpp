@@ -242,7 +242,7 @@ void check_counts(const E57Pages& pages, const std::vector<E57Scan>& scans, std:
 
 PointSet parse_e57(std::string_view bytes, const std::string& file, Context& context, PointsFileInfo& info) {
   info.format = PointsFormat::e57;
-  info.unit = "m";
+  info.unit = std::string(1, 'm');
   E57Pages pages(bytes, file);
   const E57Structure structure = read_e57_structure(pages);
   if (structure.scans.empty()) pages.fail("the file holds no scan", pages.xml_offset());

@@ -10,6 +10,7 @@
 #include "io/mesh_formats.hpp"
 #include "io/points_formats.hpp"
 #include "io/text_scanner.hpp"
+#include "meshops/point_soup.hpp"
 
 // PCD 0.7: "The PCD (Point Cloud Data) file format", documentation of the Point Cloud Library.
 namespace tri::io_detail {
@@ -147,12 +148,12 @@ class PcdParser {
       if (body.size() < wanted) truncated(wanted, body.size());
       if (body.size() > wanted)
         info_.notes.push_back(fmt::format("{} bytes after the last point were left out", body.size() - wanted));
+      reserve();
+      std::vector<double> v(used_.size());
       for (std::uint64_t i = 0; i < header_.points; ++i) {
         report(context, i);
-        std::array<double, 6> v{};
         const std::size_t at = header_.size + i * header_.point_size;
-        for (std::size_t k = 0; k < used_.size(); ++k)
-          v[k] = value_at(bytes_.data() + at + used_[k]->offset, *used_[k]);
+        for (std::size_t k = 0; k < used_.size(); ++k) v[k] = binary_value(bytes_.data() + at + used_[k]->offset, k);
         add(v, i, IoError::Unit::byte, at);
       }
     } else {
@@ -199,11 +200,44 @@ class PcdParser {
     const std::array<const Field*, 3> normal{find("normal_x"), find("normal_y"), find("normal_z")};
     normals_ = normal[0] && normal[1] && normal[2];
     if (normals_) used_.insert(used_.end(), normal.begin(), normal.end());
+    for (const char* name : {"rgb", "rgba"}) {
+      const Field* field = find(name);
+      if (packed_color_ != 0 || !field || field->size != 4) continue;
+      packed_color_ = used_.size();
+      packed_as_float_ = field->type == 'F';
+      used_.push_back(field);
+    }
     std::string ignored;
-    for (const Field& field : header_.fields)
-      if (std::find(used_.begin(), used_.end(), &field) == used_.end())
-        ignored += (ignored.empty() ? "" : ", ") + field.name;
+    bool has_intensity = false;
+    for (const Field& field : header_.fields) {
+      if (std::find(used_.begin(), used_.end(), &field) != used_.end()) continue;
+      if (field.count != 1 || field.name == "_" || find(field.name) != &field) {
+        if (!ignored.empty()) ignored += ", ";
+        ignored += field.name;
+        continue;
+      }
+      used_.push_back(&field);
+      const bool intensity = !has_intensity && names_intensity(field.name);
+      has_intensity = has_intensity || intensity;
+      columns_.push_back(intensity ? &set_.intensity : &set_.scalars[field.name]);
+    }
     if (!ignored.empty()) info_.notes.push_back("fields ignored: " + ignored);
+  }
+
+  /// Memory for all points at once; their number was checked against the size of the file.
+  void reserve() {
+    set_.points.reserve(header_.points);
+    if (normals_) set_.normals.reserve(header_.points);
+    if (packed_color_ != 0) set_.colors.reserve(header_.points);
+    for (std::vector<double>* column : columns_) column->reserve(header_.points);
+  }
+
+  /// The value of a used field in binary data. A colour is four bytes, whatever type the header gives them.
+  double binary_value(const char* p, std::size_t k) const {
+    if (k != packed_color_ || k == 0) return value_at(p, *used_[k]);
+    std::uint32_t packed;
+    std::memcpy(&packed, p, 4);
+    return packed;
   }
 
   void report(Context& context, std::uint64_t i) const {
@@ -212,7 +246,7 @@ class PcdParser {
     context.progress("read", static_cast<double>(i) / static_cast<double>(header_.points));
   }
 
-  void add(const std::array<double, 6>& v, std::uint64_t i, IoError::Unit unit, std::uint64_t position) {
+  void add(const std::vector<double>& v, std::uint64_t i, IoError::Unit unit, std::uint64_t position) {
     if (std::isnan(v[0]) && std::isnan(v[1]) && std::isnan(v[2])) {
       ++info_.points_skipped;
       return;
@@ -220,10 +254,25 @@ class PcdParser {
     if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2]))
       throw IoError(file_, fmt::format("point {} ({} {} {}) is not finite", i, v[0], v[1], v[2]), unit, position);
     set_.points.emplace_back(v[0], v[1], v[2]);
-    if (!normals_) return;
-    const bool known = std::isfinite(v[3]) && std::isfinite(v[4]) && std::isfinite(v[5]);
-    unknown_normals_ += !known;
-    set_.normals.push_back(known ? Vec3(v[3], v[4], v[5]) : Vec3(0, 0, 0));
+    if (normals_) {
+      const bool known = std::isfinite(v[3]) && std::isfinite(v[4]) && std::isfinite(v[5]);
+      unknown_normals_ += !known;
+      set_.normals.push_back(known ? Vec3(v[3], v[4], v[5]) : Vec3(0, 0, 0));
+    }
+    if (packed_color_ != 0) {
+      const auto packed = static_cast<std::uint32_t>(v[packed_color_]);
+      set_.colors.push_back({static_cast<std::uint8_t>(packed >> 16), static_cast<std::uint8_t>(packed >> 8),
+                             static_cast<std::uint8_t>(packed)});
+    }
+    const std::size_t first = v.size() - columns_.size();
+    for (std::size_t k = 0; k < columns_.size(); ++k) columns_[k]->push_back(v[first + k]);
+  }
+
+  /// In text a packed colour is the number that its type makes of the four bytes.
+  double packed_from_text(double value) const {
+    if (std::isnan(value)) return 0;  // not known
+    if (packed_as_float_) return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+    return value >= 0 && value <= 4294967295.0 ? value : 0;
   }
 
   void read_ascii(Context& context) {
@@ -232,11 +281,12 @@ class PcdParser {
     // A value and what ends it are two bytes.
     if (header_.points * header_.values > (scanner.remaining() + 1) / 2)
       truncated(2 * header_.points * header_.values, scanner.remaining());
+    reserve();
+    std::vector<double> v(used_.size());
     for (std::uint64_t i = 0; i < header_.points; ++i) {
       report(context, i);
       if (!scanner.next_filled_line('#')) scanner.fail(fmt::format("truncated: {} of {} points", i, header_.points));
       const char* first = scanner.position();
-      std::array<double, 6> v{};
       std::size_t column = 0;
       for (const Field& field : header_.fields) {
         const auto used = std::find(used_.begin(), used_.end(), &field);
@@ -249,6 +299,7 @@ class PcdParser {
       }
       if (!scanner.at_line_end()) scanner.fail("more values than fields", first);
       scanner.next_line();
+      if (packed_color_ != 0) v[packed_color_] = packed_from_text(v[packed_color_]);
       // The line is only counted if the point is refused.
       const bool fine = std::isnan(v[0]) == std::isnan(v[1]) && std::isnan(v[0]) == std::isnan(v[2]) &&
                         !std::isinf(v[0]) && !std::isinf(v[1]) && !std::isinf(v[2]);
@@ -275,11 +326,12 @@ class PcdParser {
     if (wanted > std::uint64_t{packed} * 88 + 264) truncated(wanted / 88, packed);
     std::string values(wanted, '\0');
     decompress(body.substr(8, packed), values);
+    reserve();
+    std::vector<double> v(used_.size());
     for (std::uint64_t i = 0; i < header_.points; ++i) {
       report(context, i);
-      std::array<double, 6> v{};
       for (std::size_t k = 0; k < used_.size(); ++k)
-        v[k] = value_at(values.data() + header_.points * used_[k]->offset + i * used_[k]->size, *used_[k]);
+        v[k] = binary_value(values.data() + header_.points * used_[k]->offset + i * used_[k]->size, k);
       add(v, i, IoError::Unit::byte, header_.size);
     }
   }
@@ -300,8 +352,11 @@ class PcdParser {
   const std::string& file_;
   PointsFileInfo& info_;
   PcdHeader header_;
-  std::vector<const Field*> used_;
+  std::vector<const Field*> used_;             // coordinates, normals, packed colour, then one per column
+  std::vector<std::vector<double>*> columns_;  // intensity and scalars
   bool normals_ = false;
+  std::size_t packed_color_ = 0;  // index into used_; 0: none
+  bool packed_as_float_ = false;
   std::uint64_t unknown_normals_ = 0;
   PointSet set_;
 };

@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "io/text_scanner.hpp"
+#include "meshops/point_soup.hpp"
 
 namespace tri::io_detail {
 namespace {
@@ -113,13 +116,12 @@ bool recognise_separator(std::string_view bytes, PointsDialect& dialect, bool (*
   return seen > 0;
 }
 
-// "//X [mm]" -> "x"
-std::string normalised_name(std::string_view name) {
+// "//X [mm]" -> "X"
+std::string bare_name(std::string_view name) {
   std::string out;
   for (const char c : name) {
     if (c == '[' || c == '(') break;
-    if (std::strchr("#/%!\"'", c) || blank(c)) continue;
-    out += c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+    if (!std::strchr("#/%!\"'", c) && !blank(c)) out += c;
   }
   return out;
 }
@@ -130,7 +132,7 @@ std::vector<std::string> names_of(std::string_view line, char separator) {
     // Strictly by the separator: a name may hold blanks.
     while (true) {
       const std::size_t size = line.find(separator);
-      names.push_back(normalised_name(line.substr(0, size)));
+      names.push_back(bare_name(line.substr(0, size)));
       if (size == std::string_view::npos) break;
       line.remove_prefix(size + 1);
     }
@@ -138,45 +140,99 @@ std::vector<std::string> names_of(std::string_view line, char separator) {
     for (const char* other : {"", ",", ";"}) {
       names.clear();
       for (const auto field : fields_of(line, *other))
-        if (std::string name = normalised_name(field); !name.empty()) names.push_back(std::move(name));
+        if (std::string name = bare_name(field); !name.empty()) names.push_back(std::move(name));
       if (names.size() >= 3) break;
     }
   }
   return names;
 }
 
-int find_name(const std::vector<std::string>& names, char axis, bool normal) {
-  const std::string a(1, axis);
-  const std::vector<std::string> known =
-      normal ? std::vector<std::string>{"n" + a, "normal_" + a, "normal" + a, "n_" + a}
-             : std::vector<std::string>{a, "p" + a, "pos_" + a, a + "_mm", a + "_coord", "coord_" + a, "cartesian" + a};
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (std::find(known.begin(), known.end(), names[i]) != known.end()) return static_cast<int>(i);
+/// The column that has one of these names, in any case; -1 if there is none.
+int find_name(const std::vector<std::string>& names, const std::vector<std::string>& known) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::string lower = names[i];
+    for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+    if (std::find(known.begin(), known.end(), lower) != known.end()) return static_cast<int>(i);
+  }
   return -1;
 }
 
-// True if the names tell where x, y and z are.
-bool take_names(const std::vector<std::string>& names, PointsDialect& dialect) {
-  std::array<int, 6> column;
-  for (int k = 0; k < 3; ++k) {
-    column[k] = find_name(names, static_cast<char>('x' + k), false);
-    column[k + 3] = find_name(names, static_cast<char>('x' + k), true);
+int find_axis(const std::vector<std::string>& names, char axis, bool normal) {
+  const std::string a(1, axis);
+  if (normal) return find_name(names, {"n" + a, "normal_" + a, "normal" + a, "n_" + a});
+  return find_name(names, {a, "p" + a, "pos_" + a, a + "_mm", a + "_coord", "coord_" + a, "cartesian" + a});
+}
+
+std::array<int, 3> find_colors(const std::vector<std::string>& names) {
+  for (const auto& [red, green, blue] : {std::array{"red", "green", "blue"}, std::array{"r", "g", "b"}}) {
+    const std::array<int, 3> found{find_name(names, {red}), find_name(names, {green}), find_name(names, {blue})};
+    if (found[0] >= 0 && found[1] >= 0 && found[2] >= 0) return found;
   }
-  if (column[0] < 0 || column[1] < 0 || column[2] < 0) return false;
-  dialect.column = column;
-  dialect.normals = dialect.normals_named = column[3] >= 0 && column[4] >= 0 && column[5] >= 0;
+  return {-1, -1, -1};
+}
+
+/// The columns of a file that has no names: the first three, and the next three if they are normals.
+void take_first_columns(PointsDialect& dialect, bool normals) {
+  dialect.target = normals ? std::vector<int>{0, 1, 2, 3, 4, 5} : std::vector<int>{0, 1, 2};
+  dialect.normals = normals;
+  dialect.normals_named = dialect.intensity = dialect.colors = false;
+  dialect.scalars.clear();
+}
+
+bool is_level(std::string_view field, bool decimal_comma) {
+  double value = 0;
+  return parse_field(field, decimal_comma, value) && value >= 0 && value <= 255 && value == std::floor(value);
+}
+
+// True if the names tell where x, y and z are; then `dialect` knows every column that is a number in the first line.
+bool take_names(const std::vector<std::string>& names, const std::vector<std::string_view>& first_line,
+                PointsDialect& dialect) {
+  std::array<int, 3> point, normal;
+  for (std::size_t k = 0; k < 3; ++k) {
+    point[k] = find_axis(names, static_cast<char>('x' + k), false);
+    normal[k] = find_axis(names, static_cast<char>('x' + k), true);
+    if (point[k] < 0) return false;
+  }
+  take_first_columns(dialect, false);
+  dialect.normals = dialect.normals_named = normal[0] >= 0 && normal[1] >= 0 && normal[2] >= 0;
+  std::vector<int> target(names.size(), PointsDialect::ignored);
+  const auto put = [&target](const std::array<int, 3>& columns, int at) {
+    for (std::size_t k = 0; k < 3; ++k) target[static_cast<std::size_t>(columns[k])] = at + static_cast<int>(k);
+  };
+  put(point, 0);
+  if (dialect.normals) put(normal, 3);
+  for (std::size_t i = 0; i < names.size() && !dialect.intensity; ++i) {
+    if (target[i] != PointsDialect::ignored || !names_intensity(names[i])) continue;
+    dialect.intensity = true;
+    target[i] = dialect.intensity_at();
+  }
+  const std::array<int, 3> color = find_colors(names);
+  dialect.colors = std::all_of(color.begin(), color.end(), [&](int c) {
+    return c >= 0 && target[static_cast<std::size_t>(c)] == PointsDialect::ignored &&
+           is_level(first_line[static_cast<std::size_t>(c)], dialect.decimal_comma);
+  });
+  if (dialect.colors) put(color, dialect.colors_at());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    double number = 0;
+    const bool taken = target[i] != PointsDialect::ignored || names[i].empty() ||
+                       std::find(dialect.scalars.begin(), dialect.scalars.end(), names[i]) != dialect.scalars.end();
+    if (taken || !parse_field(first_line[i], dialect.decimal_comma, number)) continue;
+    target[i] = dialect.values();
+    dialect.scalars.push_back(names[i]);
+  }
+  while (target.back() == PointsDialect::ignored) target.pop_back();
+  dialect.target = target;
   return true;
 }
 
 bool looks_like_normals(std::string_view from_first_point, PointsDialect dialect) {
-  dialect.column = {0, 1, 2, 3, 4, 5};
-  dialect.normals = true;
+  take_first_columns(dialect, true);
   Lines lines(from_first_point, dialect.line_end);
   std::string_view line;
   for (std::size_t seen = 0; seen < sniffed_lines && lines.next(line);) {
     if (is_skipped_line(line)) continue;
     ++seen;
-    PointsLine v;
+    double v[6];
     PointsLineError error;
     parse_points_line(line, dialect, v, error);
     if (error.where || !(std::abs(v[3] * v[3] + v[4] * v[4] + v[5] * v[5] - 1) <= unit_tolerance)) return false;
@@ -188,9 +244,8 @@ void note_columns(const PointsDialect& dialect, PointsFileInfo& info) {
   std::string ignored;
   std::size_t count = 0;
   for (std::size_t i = 0; i < dialect.columns; ++i) {
-    const auto used = dialect.column.begin() + (dialect.normals ? 6 : 3);
-    if (std::find(dialect.column.begin(), used, static_cast<int>(i)) != used) continue;
-    ignored += (ignored.empty() ? "" : ", ") + std::to_string(i + 1);
+    if (i < dialect.target.size() && dialect.target[i] != PointsDialect::ignored) continue;
+    ignored += fmt::format("{}{}", ignored.empty() ? "" : ", ", i + 1);
     ++count;
   }
   if (count > 0)
@@ -207,50 +262,58 @@ bool is_skipped_line(std::string_view line) {
   return c == '#' || c == '%' || c == '!' || (c == '/' && i + 1 < line.size() && line[i + 1] == '/');
 }
 
-void parse_points_line(std::string_view line, const PointsDialect& dialect, PointsLine& values,
-                       PointsLineError& error) {
+void parse_points_line(std::string_view line, const PointsDialect& dialect, double* values, PointsLineError& error) {
   const fast_float::parse_options options(fast_float::chars_format::general, dialect.decimal_comma ? ',' : '.');
   const char* p = line.data();
   const char* const end = p + line.size();
-  const int wanted = dialect.normals ? 6 : 3;
-  for (int column = 0, found = 0; found < wanted; ++column) {
+  const int required = dialect.required();
+  const auto ends_field = [&](const char* q) {
+    return q >= end || blank(*q) || (dialect.separator && *q == dialect.separator);
+  };
+  for (int k = required; k < dialect.values(); ++k) values[k] = std::numeric_limits<double>::quiet_NaN();
+  int found = 0;
+  std::size_t column = 0;
+  for (; column < dialect.target.size(); ++column) {
     while (p < end && blank(*p)) ++p;
-    if (p >= end) {
-      error = {line.data(),
-               fmt::format("the line has {} column{}, {} are needed", column, column == 1 ? "" : "s",
-                           *std::max_element(dialect.column.begin(), dialect.column.begin() + wanted) + 1)};
-      return;
-    }
-    int target = column < wanted && dialect.column[static_cast<std::size_t>(column)] == column ? column : -1;
-    for (int k = 0; k < wanted && target < 0; ++k)
-      if (dialect.column[static_cast<std::size_t>(k)] == column) target = k;
+    if (p >= end) break;
+    const int target = dialect.target[column];
+    const char* first = p;
     if (target >= 0) {
-      const char* first = p;
       if (*p == '+' && p + 1 < end && p[1] != '-') ++p;
       double value = 0;
       const auto result = fast_float::from_chars_advanced(p, end, value, options);
-      if (result.ec != std::errc() ||
-          (result.ptr < end && !blank(*result.ptr) && !(dialect.separator && *result.ptr == dialect.separator))) {
-        const auto rest = fields_of({first, static_cast<std::size_t>(end - first)}, dialect.separator);
-        error = {first, rest[0].empty() ? fmt::format("column {} is empty", column + 1)
-                                        : fmt::format("{} in column {} is not a number{}", quoted(rest[0]), column + 1,
-                                                      dialect.decimal_comma ? " (with a decimal comma)" : "")};
-        return;
+      const bool number = result.ec == std::errc() && ends_field(result.ptr);
+      if (target < required) {
+        if (!number) {
+          const auto rest = fields_of({first, static_cast<std::size_t>(end - first)}, dialect.separator);
+          error = {first, rest[0].empty()
+                              ? fmt::format("column {} is empty", column + 1)
+                              : fmt::format("{} in column {} is not a number{}", quoted(rest[0]), column + 1,
+                                            dialect.decimal_comma ? " (with a decimal comma)" : "")};
+          return;
+        }
+        if (!std::isfinite(value) && (target < 3 || dialect.normals_named)) {
+          error = {first, fmt::format("{} in column {} is not finite",
+                                      quoted({first, static_cast<std::size_t>(result.ptr - first)}), column + 1)};
+          return;
+        }
+        ++found;
       }
-      if (!std::isfinite(value) && (target < 3 || dialect.normals_named)) {
-        error = {first, fmt::format("{} in column {} is not finite",
-                                    quoted({first, static_cast<std::size_t>(result.ptr - first)}), column + 1)};
-        return;
+      if (number) {
+        values[target] = value;
+        p = result.ptr;
       }
-      values[static_cast<std::size_t>(target)] = value;
-      p = result.ptr;
-      ++found;
-    } else {
-      while (p < end && !blank(*p) && !(dialect.separator && *p == dialect.separator)) ++p;
     }
+    while (!ends_field(p)) ++p;
     while (p < end && blank(*p)) ++p;
     if (p < end && dialect.separator && *p == dialect.separator) ++p;
   }
+  if (found == required) return;
+  std::size_t last = 0;
+  for (std::size_t k = 0; k < dialect.target.size(); ++k)
+    if (dialect.target[k] >= 0 && dialect.target[k] < required) last = k;
+  error = {line.data(),
+           fmt::format("the line has {} column{}, {} are needed", column, column == 1 ? "" : "s", last + 1)};
 }
 
 PointsDialect recognise_points_dialect(std::string_view bytes, const std::string& file, PointsFileInfo& info) {
@@ -278,11 +341,11 @@ PointsDialect recognise_points_dialect(std::string_view bytes, const std::string
     const bool numeric = parse_field(fields[0], dialect.decimal_comma, number);
     bool named = false;
     for (auto n = names.rbegin(); n != names.rend() && !named; ++n)
-      named = n->size() == fields.size() && take_names(*n, dialect);
+      named = n->size() == fields.size() && take_names(*n, fields, dialect);
     // A first column that is no coordinate (a name of the point) may hold anything.
-    PointsLine values;
+    std::vector<double> values(static_cast<std::size_t>(dialect.values()));
     PointsLineError error;
-    parse_points_line(line, dialect, values, error);
+    parse_points_line(line, dialect, values.data(), error);
     const bool count = numeric && fields.size() == 1 && number >= 0 && number == std::floor(number);
     if (error.where && numeric && !count) fail(error.message, error.where);
     if (!error.where) {
@@ -290,16 +353,14 @@ PointsDialect recognise_points_dialect(std::string_view bytes, const std::string
       dialect.columns = fields.size();
       if (!named && fields.size() >= 6 &&
           looks_like_normals(bytes.substr(static_cast<std::size_t>(line.data() - bytes.data())), dialect)) {
-        dialect.column = {0, 1, 2, 3, 4, 5};
-        dialect.normals = true;
+        take_first_columns(dialect, true);
       }
       break;
     }
     if (header_lines++ == 0) first_header = line;
     if (header_lines > max_header_lines) break;
     names.push_back(names_of(line, dialect.separator));
-    dialect.column = {0, 1, 2, -1, -1, -1};
-    dialect.normals = dialect.normals_named = false;
+    take_first_columns(dialect, false);
   }
   if (!dialect.first_point) {
     if (header_lines > 0)

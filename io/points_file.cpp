@@ -9,7 +9,7 @@
 #include "io/mesh_file.hpp"
 #include "io/mesh_formats.hpp"
 #include "io/points_formats.hpp"
-#include "io/text_number.hpp"
+#include "io/points_writer.hpp"
 #include "meshops/error.hpp"
 #include "meshops/point_soup.hpp"
 
@@ -56,21 +56,6 @@ PointSet from_mesh(std::string_view bytes, const std::string& name, Context& con
   return to_points(std::move(soup));
 }
 
-void write_text(AtomicFile& file, const PointSet& set, char separator, Context& context) {
-  TextWriter out(file);
-  for (std::size_t i = 0; i < set.points.size(); ++i) {
-    if (i % checkpoint_interval == 0) {
-      context.checkpoint();
-      context.progress("write", static_cast<double>(i) / static_cast<double>(set.points.size()));
-    }
-    const Vec3& p = set.points[i];
-    out << p[0] << separator << p[1] << separator << p[2];
-    if (!set.normals.empty())
-      for (int k = 0; k < 3; ++k) out << separator << set.normals[i][k];
-    out << '\n';
-  }
-}
-
 }  // namespace
 
 PointSet parse_points(std::string_view bytes, const std::string& name, Context& context, PointsFileInfo* info) {
@@ -109,18 +94,19 @@ PointSet read_points(const std::string& path, Context& context, PointsFileInfo* 
 
 void write_points(const std::string& path, const PointSet& set, Context& context) {
   const std::string extension = file_extension(path);
-  const bool blanks = extension == "xyz" || extension == "txt" || extension == "asc";
-  if (!blanks && extension != "csv" && extension != "ply")
-    throw InvalidInput(
-        fmt::format("{}: points are written as .xyz, .txt, .asc, .csv or .ply, not \".{}\"", path, extension));
+  if (std::find(points_extensions.begin(), points_extensions.end(), extension) == points_extensions.end())
+    throw InvalidInput(fmt::format("{}: points are written as .{}, not \".{}\"", path,
+                                   fmt::join(points_extensions, ", ."), extension));
   validate(set);
   if (extension == "ply") {
     write_mesh(path, to_soup(set), {}, context);
     return;
   }
   AtomicFile file(path);
-  if (!blanks) file.write(set.normals.empty() ? "x,y,z\n" : "x,y,z,nx,ny,nz\n");
-  write_text(file, set, blanks ? ' ' : ',', context);
+  if (extension == "pcd")
+    write_pcd(file, set, context);
+  else
+    write_points_text(file, set, extension == "csv" ? ',' : ' ', extension == "csv", context);
   file.commit();
   context.progress("write", 1);
 }

@@ -46,16 +46,18 @@ struct PointsFileInfo {
 /// begin with a number are a header, as is a single integer (the number of points); blank lines and lines that begin
 /// with #, //, % or ! are skipped. Columns 1 to 3 are the point, unless a header line names as many columns as there
 /// are, x, y and z among them. Columns 4 to 6 are normals if the header says so (nx ny nz) or, without names, if they
-/// are unit vectors (to 0.002) on every line. Other columns are ignored; a note says so. Each line is read to the
-/// nearest double. Lines are parsed in parallel; the result does not depend on the number of threads. Memory: 24 bytes
-/// a point, 48 with normals, and the mapped file.
+/// are unit vectors (to 0.002) on every line. The names also tell intensity and colours (red green blue, 0 to 255), and
+/// every other column of numbers is kept under its name (NaN where a line lacks it). Columns without a name are
+/// ignored; a note says so. Each line is read to the nearest double. Lines are parsed in parallel; the result does not
+/// depend on the number of threads. Memory: 24 bytes a point, 48 with normals, and the mapped file.
 ///
-/// PCD: ASCII, binary and binary_compressed, version 0.7. Points whose coordinates are all NaN are skipped and counted.
+/// PCD: ASCII, binary and binary_compressed, version 0.7; normals, intensity, rgb or rgba, and every other field of one
+/// number under its name. Points whose coordinates are all NaN are skipped and counted.
 ///
-/// PTX and E57: all scans of the file in a common frame, each with its pose applied; with more than one, the column "scan"
-/// holds its 1-based number. Records without a return are skipped and counted. PTX: intensity and colours where there are
-/// any. E57: bit-packed, scaled and floating fields, cartesian or spherical; intensity as it is; colours scaled to 0 to 255
-/// by the file's limits; normals; every other numeric field under its name. Checksums are verified.
+/// PTX and E57: all scans of the file in a common frame, each with its pose applied; with more than one, the column
+/// "scan" holds its 1-based number. Records without a return are skipped and counted. PTX: intensity and colours where
+/// there are any. E57: bit-packed, scaled and floating fields, cartesian or spherical; intensity as it is; colours
+/// scaled to 0 to 255 by the file's limits; normals; every other numeric field under its name. Checksums are verified.
 ///
 /// @param path file name, or "-" for standard input
 /// @param info if given, receives what else is known about the file; `notes` also go to the context's log
@@ -67,12 +69,16 @@ PointSet read_points(const std::string& path, Context& context, PointsFileInfo* 
 PointSet parse_points(std::string_view bytes, const std::string& name, Context& context,
                       PointsFileInfo* info = nullptr);
 
-/// Writes points as the file name ends: .xyz, .txt or .asc (x y z, blanks), .csv (header and commas), .ply (binary
-/// doubles); with normals as columns 4 to 6 if there are any. Text holds the shortest decimals that read back as the
-/// same doubles.
+/// The endings under which points are written.
+inline const std::vector<std::string> points_extensions{"xyz", "txt", "asc", "csv", "ply", "pcd"};
+
+/// Writes points as the file name ends: .xyz, .txt or .asc (blanks), .csv (header and commas), .ply and .pcd (binary).
+/// All columns are written: x y z, the normal, the intensity, red green blue, further columns by name. Text has a first
+/// line with their names ("# x y z intensity" where blanks separate) if there are more than points and normals. Text
+/// holds the shortest decimals that read back as the same doubles; PLY and PCD hold doubles.
 ///
-/// The file appears whole or not at all. @throws InvalidInput for another extension, a coordinate that is not finite or
-/// a wrong number of normals. @throws IoError as `AtomicFile` does.
+/// The file appears whole or not at all. @throws InvalidInput for another extension, or as `validate(set)`. @throws
+/// IoError as `AtomicFile` does.
 void write_points(const std::string& path, const PointSet& set, Context& context);
 
 }  // namespace tri

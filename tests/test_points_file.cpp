@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -77,12 +78,16 @@ TEST_CASE("points: header lines are skipped and named") {
 
 TEST_CASE("points: a header that names its columns says where x, y and z are") {
   PointsFileInfo info;
-  CHECK(points_of("index,x,y,z,face\n0,1.5,-2,3,7\n1,4,5.25,-0.125,8\n", "a.csv", &info).points == two);
-  CHECK(has_note(info.notes, "columns 1, 5 of 5 ignored"));
+  const PointSet named = points_of("index,x,y,z,Face\n0,1.5,-2,3,7\n1,4,5.25,-0.125,8\n", "a.csv", &info);
+  CHECK(named.points == two);
+  CHECK(named.scalars.at("index") == std::vector<double>{0, 1});
+  CHECK(named.scalars.at("Face") == std::vector<double>{7, 8});
+  CHECK_FALSE(has_note(info.notes, "ignored"));
   CHECK(points_of("\"Z [mm]\";\"Y [mm]\";\"X [mm]\"\n3;-2;1,5\n-0,125;5,25;4\n", "a.csv").points == two);
   CHECK(points_of("//X Y Z Intensity\n1.5 -2 3 9\n4 5.25 -0.125 9\n").points == two);
   CHECK(points_of("# y x z\n-2 1.5 3\n5.25 4 -0.125\n").points == two);
-  CHECK(points_of("name,x,y,z\nP1,1.5,-2,3\nP2,4,5.25,-0.125\n", "a.csv").points == two);
+  CHECK(points_of("name,x,y,z\nP1,1.5,-2,3\nP2,4,5.25,-0.125\n", "a.csv", &info).points == two);
+  CHECK(has_note(info.notes, "column 1 of 4 ignored"));
   // Words of a sentence are no names of columns.
   CHECK(points_of("# this is a file with x y z\n1.5 -2 3 0\n4 5.25 -0.125 0\n").points == two);
   const PointSet set = points_of("nx ny nz x y z\n0 0 2 1.5 -2 3\n0 1 0 4 5.25 -0.125\n");
@@ -227,7 +232,8 @@ TEST_CASE("pcd: fields of any type, size and count around the coordinates; norma
   const PointSet set = points_of(pcd_header(fields, 2, "binary") + body, "a.pcd", &info);
   CHECK(set.points == std::vector<Vec3>{{1.5, -2, 3}, {4, 5.25, -9}});
   CHECK(set.normals == std::vector<Vec3>{{0, 0, 1}, {0, 0, 0}});
-  CHECK(has_note(info.notes, "rgb, histogram"));
+  CHECK(has_note(info.notes, "fields ignored: histogram"));
+  CHECK(set.colors == std::vector<std::array<std::uint8_t, 3>>{{0, 0, 7}, {0, 0, 7}});
   CHECK(has_note(info.notes, "1 points have no normal"));
   CHECK(points_of(pcd_header(fields, 1, "ascii") + "7 1.5 1 2 3 -2 0 0 1 3\n", "a.pcd").points ==
         std::vector<Vec3>{two[0]});
@@ -273,12 +279,12 @@ TEST_CASE("points: written files read back exactly, with and without normals") {
                 {1e300, -1e-300, 5e-324},
                 {123456789.12345679, 0.30000000000000004, -7},
                 {1e22, -0.5, 1e-7}};
-  for (const char* name : {"a.xyz", "a.TXT", "a.asc", "a.csv", "a.ply"}) {
+  for (const char* name : {"a.xyz", "a.TXT", "a.asc", "a.csv", "a.ply", "a.pcd"}) {
     write_points(folder / name, set, context);
     CHECK(read_points(folder / name, context).points == set.points);
   }
   set.normals = {{0, 0, 1}, {0.6, -0.8, 0}, {1, 0, 0}, {std::sqrt(1.0 / 3), std::sqrt(1.0 / 3), std::sqrt(1.0 / 3)}};
-  for (const char* name : {"b.xyz", "b.csv", "b.ply"}) {
+  for (const char* name : {"b.xyz", "b.csv", "b.ply", "b.pcd"}) {
     write_points(folder / name, set, context);
     const PointSet back = read_points(folder / name, context);
     CHECK(back.points == set.points);
@@ -286,12 +292,107 @@ TEST_CASE("points: written files read back exactly, with and without normals") {
   }
 }
 
+TEST_CASE("points: intensity, colours and further columns are written and read back exactly") {
+  TemporaryFolder folder;
+  Context context;
+  for (const bool with_normals : {false, true}) {
+    PointSet set;
+    set.points = two;
+    if (with_normals) set.normals = {{0, 0, 1}, {0.6, 0, -0.8}};
+    set.intensity = {0.1, std::nan("")};
+    set.colors = {{255, 0, 7}, {1, 128, 3}};
+    set.scalars["timeStamp"] = {1e9 + 0.125, -3};
+    set.scalars["curvature"] = {std::nan(""), 1.0 / 3};
+    for (const char* name : {"a.xyz", "a.csv", "a.ply", "a.pcd"}) {
+      CAPTURE(name);
+      write_points(folder / name, set, context);
+      const PointSet back = read_points(folder / name, context);
+      CHECK(back.points == set.points);
+      CHECK(back.normals == set.normals);
+      CHECK(back.colors == set.colors);
+      REQUIRE(back.intensity.size() == 2);
+      CHECK(back.intensity[0] == 0.1);
+      CHECK(std::isnan(back.intensity[1]));
+      REQUIRE(back.scalars.size() == 2);
+      CHECK(back.scalars.at("timeStamp") == set.scalars.at("timeStamp"));
+      CHECK(std::isnan(back.scalars.at("curvature")[0]));
+      CHECK(back.scalars.at("curvature")[1] == 1.0 / 3);
+    }
+  }
+}
+
+TEST_CASE("points: a header names intensity and colours in the ways of other programs") {
+  for (const char* header :
+       {"x y z intensity r g b", "//X Y Z Scalar_Intensity Red Green Blue", "# X Y Z Reflectance R G B"}) {
+    CAPTURE(header);
+    const PointSet set = points_of(std::string(header) + "\n1.5 -2 3 0.5 255 0 7\n4 5.25 -0.125 9 1 2 3\n");
+    CHECK(set.points == two);
+    CHECK(set.intensity == std::vector<double>{0.5, 9});
+    CHECK(set.colors == std::vector<std::array<std::uint8_t, 3>>{{255, 0, 7}, {1, 2, 3}});
+    CHECK(set.scalars.empty());
+  }
+  // Colours that are no levels stay numbers.
+  const PointSet shares = points_of("x,y,z,r,g,b\n1.5,-2,3,0.5,0,1\n4,5.25,-0.125,1,1,0.25\n");
+  CHECK(shares.colors.empty());
+  CHECK(shares.scalars.at("b") == std::vector<double>{1, 0.25});
+  CHECK(refused_points("x,y,z,r,g,b\n1.5,-2,3,5,0,1\n4,5.25,-0.125,256,1,0\n").position() == 3);
+}
+
+TEST_CASE("points: what a line lacks beside the point is NaN and counted") {
+  PointsFileInfo info;
+  const PointSet set =
+      points_of("x,y,z,intensity,ring\n1.5,-2,3,0.5,1\n4,5.25,-0.125,,n/a\n4,5.25,-0.125,2\n", "a.csv", &info);
+  REQUIRE(set.size() == 3);
+  CHECK(set.intensity[0] == 0.5);
+  CHECK(std::isnan(set.intensity[1]));
+  CHECK(set.intensity[2] == 2);
+  CHECK(std::isnan(set.scalars.at("ring")[1]));
+  CHECK(std::isnan(set.scalars.at("ring")[2]));
+  CHECK(has_note(info.notes, "3 values beside the coordinates"));
+}
+
+TEST_CASE("pcd: intensity, packed colours and further fields, in every encoding") {
+  const std::string fields = "FIELDS x y z intensity rgb ring\nSIZE 4 4 4 4 4 2\nTYPE F F F F F U\nCOUNT 1 1 1 1 1 1\n";
+  // An opaque colour is a NaN as a float; its bytes must come through.
+  const std::uint32_t first = 0xFF00FF07, second = 0x010203;
+  const auto check = [](const PointSet& set) {
+    CHECK(set.points == two);
+    CHECK(set.intensity == std::vector<double>{0.5, 2});
+    CHECK(set.scalars.at("ring") == std::vector<double>{3, 65535});
+    CHECK(set.colors.at(1) == std::array<std::uint8_t, 3>{1, 2, 3});
+  };
+  const std::string by_point =
+      raw(1.5f, -2.f, 3.f, 0.5f, first, std::uint16_t{3}) + raw(4.f, 5.25f, -0.125f, 2.f, second, std::uint16_t{65535});
+  PointSet set = points_of(pcd_header(fields, 2, "binary") + by_point, "a.pcd");
+  check(set);
+  CHECK(set.colors[0] == std::array<std::uint8_t, 3>{0, 255, 7});
+  const std::string by_field =
+      raw(1.5f, 4.f, -2.f, 5.25f, 3.f, -0.125f, 0.5f, 2.f, first, second, std::uint16_t{3}, std::uint16_t{65535});
+  const std::string packed = lzf_literals(by_field);
+  set = points_of(pcd_header(fields, 2, "binary_compressed") +
+                      raw(static_cast<std::uint32_t>(packed.size()), static_cast<std::uint32_t>(by_field.size())) +
+                      packed,
+                  "a.pcd");
+  check(set);
+  CHECK(set.colors[0] == std::array<std::uint8_t, 3>{0, 255, 7});
+  std::ostringstream text;
+  text.precision(9);
+  text << "1.5 -2 3 0.5 nan 3\n4 5.25 -0.125 2 " << std::bit_cast<float>(second) << " 65535\n";
+  set = points_of(pcd_header(fields, 2, "ascii") + text.str(), "a.pcd");
+  check(set);
+  CHECK(set.colors[0] == std::array<std::uint8_t, 3>{0, 0, 0});  // not known
+  const std::string unsigned_fields =
+      "FIELDS x y z intensity rgba ring\nSIZE 4 4 4 4 4 2\nTYPE F F F F U U\nCOUNT 1 1 1 1 1 1\n";
+  check(points_of(pcd_header(unsigned_fields, 2, "ascii") + "1.5 -2 3 0.5 4278255367 3\n4 5.25 -0.125 2 66051 65535\n",
+                  "a.pcd"));
+}
+
 TEST_CASE("points: what cannot be written is refused and leaves nothing") {
   TemporaryFolder folder;
   Context context;
   PointSet set;
   set.points = two;
-  CHECK_THROWS_AS(write_points(folder / "a.pcd", set, context), InvalidInput);
+  CHECK_THROWS_AS(write_points(folder / "a.stl", set, context), InvalidInput);
   CHECK_THROWS_AS(write_points(folder / "no/a.xyz", set, context), IoError);
   set.normals = {{0, 0, 1}};
   CHECK_THROWS_AS(write_points(folder / "a.xyz", set, context), InvalidInput);
