@@ -1,6 +1,6 @@
-// Closest points on a trimmed model beside OpenCASCADE's projections. Names: registration/<input>/<threads>/<points>, and
-// <peer>/<input>/<points>. The counter mean_distance is the check value; per_point is seconds. The hinge is measured
-// when the environment variable TRI_DATA names the folder of real files.
+// Closest points on a trimmed model beside OpenCASCADE's projections. Names: registration/<input>/<threads>/<points>,
+// and <peer>/<input>/<points>. The counter mean_distance is the check value; per_point is seconds. The hinge is
+// measured when the environment variable TRI_DATA names the folder of real files.
 #include <benchmark/benchmark.h>
 
 #include <BRepBuilderAPI_MakeVertex.hxx>
@@ -34,7 +34,8 @@ const CadModel& lid() {
   return model;
 }
 
-// An assembly of 276 faces, most of them planes, cylinders and tori; null unless TRI_DATA names the folder that holds it.
+// An assembly of 276 faces, most of them planes, cylinders and tori; null unless TRI_DATA names the folder that holds
+// it.
 const CadModel* hinge() {
   static const std::unique_ptr<const CadModel> model = [] {
     const char* folder = std::getenv("TRI_DATA");
@@ -106,7 +107,6 @@ void registration(benchmark::State& state, const CadModel& model, bool sorted, i
   report(state, distance, n);
 }
 
-
 // The peer is handed the face that each point was made on, and knows nothing of trimming. One projection is initialised
 // once for each face that has a point; that is inside the measured time, as our seeding is.
 void project(benchmark::State& state, const CadModel& model, Extrema_ExtAlgo algorithm) {
@@ -165,11 +165,9 @@ void add_benchmarks(const std::string& name, const CadModel& model) {
       ->Arg(1000000)
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
-  RegisterBenchmark(("registration/" + name + "_build").c_str(),
-                    [&model](benchmark::State& state) {
-                      for (auto _ : state) benchmark::DoNotOptimize(Registration(model));
-                    })
-      ->Unit(benchmark::kMillisecond);
+  RegisterBenchmark(("registration/" + name + "_build").c_str(), [&model](benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(Registration(model));
+  })->Unit(benchmark::kMillisecond);
   RegisterBenchmark(("GeomAPI_ProjectPointOnSurf/" + name).c_str(),
                     [&model](benchmark::State& state) { project(state, model, Extrema_ExtAlgo_Grad); })
       ->Arg(2000)

@@ -1,7 +1,8 @@
 #include "cli/model_input.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 
 #include "io/cad_file.hpp"
 

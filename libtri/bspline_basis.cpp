@@ -32,31 +32,81 @@ BSplineBasis::BSplineBasis(int degree, std::vector<double> knots, double period)
     cell_span_.push_back(static_cast<int>(above - edges_.begin()) - 1);
   }
 
-  if (degree <= table_degree) {
-    const int m = degree + 1;
-    table_.resize(static_cast<std::size_t>(span_count()) * m * m);
-    std::vector<double> bezier(m * m);
-    for (int s = 0; s < span_count(); ++s) {
-      const double a = span_begin(s), b = span_end(s);
-      table_middle_.push_back((a + b) / 2);
-      table_scale_.push_back(2 / (b - a));
-      // Bernstein polynomials in x = -1..1 as powers of x, times the Bezier points of each function.
-      bezier_matrix(s, a, b, bezier.data());
-      for (int j = 0; j < m; ++j) {
-        double choose = 1;
-        for (int i = 0; i < m; ++i) {
-          // C(p,i) ((1+x)/2)^i ((1-x)/2)^(p-i)
-          std::vector<double> poly{choose * std::pow(0.5, degree)};
-          for (int k = 0; k < degree; ++k) {
-            const double sign = k < i ? 1 : -1;
-            poly.push_back(0);
-            for (std::size_t e = poly.size() - 1; e > 0; --e) poly[e] += sign * poly[e - 1];
-          }
-          for (int k = 0; k < m; ++k)
-            table_[(static_cast<std::size_t>(s) * m + k) * m + j] += bezier[i * m + j] * poly[k];
-          choose = choose * (degree - i) / (i + 1);
+  const int m = degree + 1;
+  table_.resize(static_cast<std::size_t>(span_count()) * m * m);
+  std::vector<double> bezier(m * m);
+  for (int s = 0; s < span_count(); ++s) {
+    const double a = span_begin(s), b = span_end(s);
+    table_middle_.push_back((a + b) / 2);
+    table_scale_.push_back(2 / (b - a));
+    bezier_matrix(s, a, b, bezier.data());
+    double* table = table_.data() + static_cast<std::size_t>(s) * m * m;
+    if (degree > table_degree) {
+      std::copy(bezier.begin(), bezier.end(), table);
+      continue;
+    }
+    // Bernstein polynomials in x = -1..1 as powers of x, times the Bezier points of each function.
+    for (int j = 0; j < m; ++j) {
+      double choose = 1;
+      for (int i = 0; i < m; ++i) {
+        // C(p,i) ((1+x)/2)^i ((1-x)/2)^(p-i)
+        std::vector<double> poly{choose * std::pow(0.5, degree)};
+        for (int k = 0; k < degree; ++k) {
+          const double sign = k < i ? 1 : -1;
+          poly.push_back(0);
+          for (std::size_t e = poly.size() - 1; e > 0; --e) poly[e] += sign * poly[e - 1];
         }
+        for (int k = 0; k < m; ++k) table[k * m + j] += bezier[i * m + j] * poly[k];
+        choose = choose * (degree - i) / (i + 1);
       }
+    }
+  }
+}
+
+void BSplineBasis::bernstein2(int s, double t, double* out) const {
+  constexpr int most = max_degree + 1;
+  const int p = degree_, m = p + 1;
+  const double scale = table_scale_[s] / 2, x = 0.5 + (t - table_middle_[s]) * scale, y = 1 - x;
+  double *f = out, *df = out + m, *ddf = out + 2 * m;
+  if (p == 1) {
+    f[0] = y, f[1] = x;
+    df[0] = -scale, df[1] = scale;
+    ddf[0] = ddf[1] = 0;
+    return;
+  }
+  // Degree p - 2 from powers, then one step each to p - 1 and p, beside the differences.
+  double power[most], b[most + 2];
+  power[0] = 1;
+  for (int i = 1; i <= p - 2; ++i) power[i] = power[i - 1] * y;
+  double choose = 1;
+  b[0] = b[1] = b[p + 1] = b[p + 2] = 0;
+  for (int i = 0; i <= p - 2; ++i) {
+    b[i + 2] = choose * power[p - 2 - i];
+    choose *= x * (p - 2 - i) / (i + 1);
+  }
+  const double d1 = p * scale, d2 = d1 * (p - 1) * scale;
+  for (int i = 0; i <= p; ++i) {
+    const double b0 = b[i], b1 = b[i + 1], b2 = b[i + 2];
+    const double low = x * b0 + y * b1, high = x * b1 + y * b2;  // degree p - 1, functions i - 1 and i
+    f[i] = x * low + y * high;
+    df[i] = d1 * (low - high);
+    ddf[i] = d2 * (b0 - 2 * b1 + b2);
+  }
+}
+
+void BSplineBasis::values2_high(int s, double t, double* out) const {
+  double w[3 * (max_degree + 1)];
+  bernstein2(s, t, w);
+  const int m = degree_ + 1;
+  double *f = out, *d = out + m, *dd = out + 2 * m;
+  std::fill_n(out, 3 * m, 0.0);
+  const double* row = table_.data() + static_cast<std::size_t>(s) * m * m;
+  for (int i = 0; i < m; ++i, row += m) {
+    const double w0 = w[i], w1 = w[m + i], w2 = w[2 * m + i];
+    for (int j = 0; j < m; ++j) {
+      f[j] += w0 * row[j];
+      d[j] += w1 * row[j];
+      dd[j] += w2 * row[j];
     }
   }
 }

@@ -16,7 +16,7 @@ class BSplineBasis {
  public:
   static constexpr int max_degree = 25;   ///< what OpenCASCADE allows
   static constexpr int max_order = 3;     ///< highest derivative
-  static constexpr int table_degree = 9;  ///< up to this degree each span keeps its polynomials
+  static constexpr int table_degree = 9;  ///< up to this degree each span keeps its polynomials as powers
 
   /// @param degree 1 to max_degree
   /// @param knots  non-decreasing, every knot repeated by its multiplicity; more than 2 * degree + 1 of them
@@ -65,8 +65,12 @@ class BSplineBasis {
 
   /// Values, first and second derivatives by the span's own polynomials, laid out as by `derivatives`.
   /// @tparam P degree(), at most table_degree; or 0 to leave it to run time
-  template <int P>
+  template <int P = 0>
   void values2(int s, double t, double* out) const {
+    if (P == 0 && degree_ > table_degree) {
+      values2_high(s, t, out);
+      return;
+    }
     const int m = (P > 0 ? P : degree_) + 1;
     const double* c = table_.data() + static_cast<std::size_t>(s) * m * m;
     const double scale = table_scale_[s];
@@ -88,6 +92,9 @@ class BSplineBasis {
       dd[i] *= 2 * scale * scale;
     }
   }
+
+  /// Values, first and second derivatives by t of the Bernstein polynomials over span s, laid out as by `derivatives`.
+  void bernstein2(int s, double t, double* out) const;
 
   /// Calls use(s, a, b) with pieces of [low, high], each within one span, that cover it; across the seam if there is a
   /// period. Pieces too short for differences of control points to be told from rounding are widened within their span.
@@ -115,6 +122,8 @@ class BSplineBasis {
 
  private:
   double wrap(double t) const;
+  // As values2, from Bernstein polynomials, which stay accurate where high powers do not.
+  void values2_high(int s, double t, double* out) const;
 
   template <class Use>
   void pieces_within(double low, double high, Use&& use) const {
@@ -140,6 +149,7 @@ class BSplineBasis {
   std::vector<int> span_knot_;  // per span: k with knots_[k] = begin, knots_[k + 1] = end
   std::vector<int> cell_span_;  // uniform cells over the range: span half a cell before each, one entry more than cells
   double cell_scale_ = 0;
+  // Per span: powers of each function, row by row; above table_degree the map from Bernstein polynomials instead.
   std::vector<double> table_, table_middle_, table_scale_;
 };
 

@@ -17,52 +17,45 @@ using Evaluator = SurfacePoint (*)(const BSplineSurface&, double, double);
 
 }  // namespace
 
-// Degrees of 0 stand for any up to BSplineBasis::table_degree, known at run time only.
-template <int PU, int PV, bool Rational>
-SurfacePoint BSplineSurface::evaluate_table(const BSplineSurface& s, double u, double v) {
+namespace {
+
+// Control points and the values, first and second derivatives of the functions that belong to them in both directions.
+// The first direction is summed up first: whole rows of control points at a time.
+template <int PA, int PB, bool Rational>
+SurfacePoint sum_up(const double* poles, std::ptrdiff_t stride, int pa, int pb, const double* fa, const double* fb) {
   constexpr int n = Rational ? 4 : 3;
-  constexpr int most = BSplineBasis::table_degree;
-  constexpr int mu = PU > 0 ? PU + 1 : most + 1, mv = PV > 0 ? PV + 1 : most + 1;
-  const int pu = PU > 0 ? PU : s.u_.degree(), pv = PV > 0 ? PV : s.v_.degree();
-  u = s.u_.wrapped(u);
-  v = s.v_.wrapped(v);
-  const int su = s.u_.span(u), sv = s.v_.span(v);
-  double bu[3 * mu], bv[3 * mv];
-  s.u_.values2<PU>(su, u, bu);
-  s.v_.values2<PV>(sv, v, bv);
-  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(s.v_.count()) * n;
-  const double* poles =
-      s.poles_.data() + s.u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(s.v_.first_control(sv)) * n;
-  // Along u first: whole rows of control points at a time.
-  double r0[mv * n], r1[mv * n], r2[mv * n];
-  const int width = (pv + 1) * n;
+  constexpr int mb = PB > 0 ? PB + 1 : BSplineBasis::max_degree + 1;
+  if constexpr (PA > 0) pa = PA;
+  if constexpr (PB > 0) pb = PB;
+  double r0[mb * n], r1[mb * n], r2[mb * n];
+  const int width = (pb + 1) * n;
   for (int x = 0; x < width; ++x) {
     const double q = poles[x];
-    r0[x] = bu[0] * q;
-    r1[x] = bu[pu + 1] * q;
-    r2[x] = bu[2 * (pu + 1)] * q;
+    r0[x] = fa[0] * q;
+    r1[x] = fa[pa + 1] * q;
+    r2[x] = fa[2 * (pa + 1)] * q;
   }
-  for (int i = 1; i <= pu; ++i) {
+  for (int i = 1; i <= pa; ++i) {
     const double* row = poles + i * stride;
-    const double b0 = bu[i], b1 = bu[pu + 1 + i], b2 = bu[2 * (pu + 1) + i];
+    const double f0 = fa[i], f1 = fa[pa + 1 + i], f2 = fa[2 * (pa + 1) + i];
     for (int x = 0; x < width; ++x) {
       const double q = row[x];
-      r0[x] += b0 * q;
-      r1[x] += b1 * q;
-      r2[x] += b2 * q;
+      r0[x] += f0 * q;
+      r1[x] += f1 * q;
+      r2[x] += f2 * q;
     }
   }
   double a00[n] = {}, a10[n] = {}, a01[n] = {}, a20[n] = {}, a11[n] = {}, a02[n] = {};
-  for (int j = 0; j <= pv; ++j) {
-    const double b0 = bv[j], b1 = bv[pv + 1 + j], b2 = bv[2 * (pv + 1) + j];
+  for (int j = 0; j <= pb; ++j) {
+    const double f0 = fb[j], f1 = fb[pb + 1 + j], f2 = fb[2 * (pb + 1) + j];
     for (int c = 0; c < n; ++c) {
       const double q0 = r0[j * n + c], q1 = r1[j * n + c];
-      a00[c] += b0 * q0;
-      a01[c] += b1 * q0;
-      a02[c] += b2 * q0;
-      a10[c] += b0 * q1;
-      a11[c] += b1 * q1;
-      a20[c] += b0 * r2[j * n + c];
+      a00[c] += f0 * q0;
+      a01[c] += f1 * q0;
+      a02[c] += f2 * q0;
+      a10[c] += f0 * q1;
+      a11[c] += f1 * q1;
+      a20[c] += f0 * r2[j * n + c];
     }
   }
   SurfacePoint out;
@@ -89,10 +82,61 @@ SurfacePoint BSplineSurface::evaluate_table(const BSplineSurface& s, double u, d
   return out;
 }
 
-SurfacePoint BSplineSurface::evaluate_any(const BSplineSurface& s, double u, double v) {
-  Vec3 d[4][4];
-  s.derivatives(u, v, 2, d);
-  return {d[0][0], d[1][0], d[0][1], d[2][0], d[1][1], d[0][2]};
+}  // namespace
+
+// Degrees of 0 stand for any, known at run time only.
+template <int PU, int PV, bool Rational>
+SurfacePoint BSplineSurface::evaluate_table(const BSplineSurface& s, double u, double v) {
+  constexpr int n = Rational ? 4 : 3;
+  constexpr int most = BSplineBasis::max_degree;
+  u = s.u_.wrapped(u);
+  v = s.v_.wrapped(v);
+  const int su = s.u_.span(u), sv = s.v_.span(v);
+  double fu[3 * (PU > 0 ? PU + 1 : most + 1)], fv[3 * (PV > 0 ? PV + 1 : most + 1)];
+  s.u_.values2<PU>(su, u, fu);
+  s.v_.values2<PV>(sv, v, fv);
+  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(s.v_.count()) * n;
+  const double* poles =
+      s.poles_.data() + s.u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(s.v_.first_control(sv)) * n;
+  return sum_up<PU, PV, Rational>(poles, stride, s.u_.degree(), s.v_.degree(), fu, fv);
+}
+
+template <bool Rational>
+SurfacePoint BSplineSurface::evaluate_nets(const BSplineSurface& s, double u, double v) {
+  constexpr int n = Rational ? 4 : 3;
+  const BSplineBasis &a = s.v_first_ ? s.v_ : s.u_, &b = s.v_first_ ? s.u_ : s.v_;
+  const double ta = a.wrapped(s.v_first_ ? v : u), tb = b.wrapped(s.v_first_ ? u : v);
+  const int sa = a.span(ta), sb = b.span(tb), pa = a.degree(), pb = b.degree();
+  double fa[3 * (BSplineBasis::max_degree + 1)], fb[3 * (BSplineBasis::max_degree + 1)];
+  a.bernstein2(sa, ta, fa);
+  b.bernstein2(sb, tb, fb);
+  const std::size_t size = static_cast<std::size_t>(pa + 1) * (pb + 1) * n;
+  const double* net = s.nets_.data() + (static_cast<std::size_t>(sa) * b.span_count() + sb) * size;
+  SurfacePoint out = sum_up<0, 0, Rational>(net, static_cast<std::ptrdiff_t>(pb + 1) * n, pa, pb, fa, fb);
+  if (s.v_first_) {
+    std::swap(out.du, out.dv);
+    std::swap(out.duu, out.dvv);
+  }
+  return out;
+}
+
+void BSplineSurface::make_nets() {
+  v_first_ = v_.degree() > u_.degree();
+  const int mu = u_.degree() + 1, mv = v_.degree() + 1, n = dimension_;
+  const std::size_t size = static_cast<std::size_t>(mu) * mv * n;
+  nets_.resize(size * u_.span_count() * v_.span_count());
+  std::vector<double> net(size);
+  for (int su = 0; su < u_.span_count(); ++su) {
+    for (int sv = 0; sv < v_.span_count(); ++sv) {
+      bezier_net(su, sv, u_.span_begin(su), u_.span_end(su), v_.span_begin(sv), v_.span_end(sv), net);
+      const std::size_t at = v_first_ ? static_cast<std::size_t>(sv) * u_.span_count() + su
+                                      : static_cast<std::size_t>(su) * v_.span_count() + sv;
+      for (int i = 0; i < mu; ++i)
+        for (int j = 0; j < mv; ++j)
+          std::copy_n(net.data() + (i * mv + j) * n, n,
+                      nets_.data() + at * size + (v_first_ ? j * mu + i : i * mv + j) * n);
+    }
+  }
 }
 
 BSplineSurface::BSplineSurface(BSplineBasis u, BSplineBasis v, const std::vector<Vec3>& poles,
@@ -108,7 +152,6 @@ BSplineSurface::BSplineSurface(BSplineBasis u, BSplineBasis v, const std::vector
     for (int c = 0; c < 3; ++c) poles_[i * dimension_ + c] = poles[i][c] * w;
     if (rational_) poles_[i * dimension_ + 3] = w;
   }
-  evaluate_ = evaluate_any;
   const int pu = u_.degree(), pv = v_.degree();
   static constexpr std::array<std::array<std::array<Evaluator, 3>, 3>, 2> small = {{
       {{{evaluate_table<1, 1, false>, evaluate_table<1, 2, false>, evaluate_table<1, 3, false>},
@@ -122,8 +165,14 @@ BSplineSurface::BSplineSurface(BSplineBasis u, BSplineBasis v, const std::vector
     evaluate_ = small[rational_][pu - 1][pv - 1];
   else if (pu == 5 && pv == 5)
     evaluate_ = rational_ ? evaluate_table<5, 5, true> : evaluate_table<5, 5, false>;
-  else if (pu <= BSplineBasis::table_degree && pv <= BSplineBasis::table_degree)
+  else
     evaluate_ = rational_ ? evaluate_table<0, 0, true> : evaluate_table<0, 0, false>;
+  // Of high degree, Bezier points are the faster the fewer they are more than control points.
+  const std::size_t bezier = static_cast<std::size_t>(u_.span_count()) * (pu + 1) * v_.span_count() * (pv + 1);
+  if (std::max(pu, pv) > BSplineBasis::table_degree && bezier <= 4 * n) {
+    make_nets();
+    evaluate_ = rational_ ? evaluate_nets<true> : evaluate_nets<false>;
+  }
 }
 
 Vec3 BSplineSurface::point(double u, double v) const {
@@ -138,8 +187,13 @@ void BSplineSurface::derivatives(double u, double v, int order, Vec3 out[4][4]) 
   u = u_.wrapped(u);
   v = v_.wrapped(v);
   const int su = u_.span(u), sv = v_.span(v), pu = u_.degree(), pv = v_.degree(), n = dimension_;
-  u_.derivatives(su, u, order, bu);
-  v_.derivatives(sv, v, order, bv);
+  if (order <= 2) {
+    u_.values2(su, u, bu);
+    v_.values2(sv, v, bv);
+  } else {
+    u_.derivatives(su, u, order, bu);
+    v_.derivatives(sv, v, order, bv);
+  }
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(v_.count()) * n;
   const double* poles =
       poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
@@ -175,11 +229,13 @@ void BSplineSurface::third_derivatives(double u, double v, Vec3 out[4]) const {
   for (int l = 0; l < 4; ++l) out[l] = d[3 - l][l];
 }
 
-void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0, double v1, double out[4][4]) const {
+void BSplineSurface::bezier_net(int su, int sv, double u0, double u1, double v0, double v1,
+                                std::vector<double>& net) const {
   const int mu = u_.degree() + 1, mv = v_.degree() + 1, n = dimension_;
-  std::vector<double> to_u(mu * mu), to_v(mv * mv), half(mu * mv * n), net(mu * mv * n);
+  std::vector<double> to_u(mu * mu), to_v(mv * mv), half(mu * mv * n);
   u_.bezier_matrix(su, u0, u1, to_u.data());
   v_.bezier_matrix(sv, v0, v1, to_v.data());
+  std::fill(net.begin(), net.end(), 0.0);
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(v_.count()) * n;
   const double* poles =
       poles_.data() + u_.first_control(su) * stride + static_cast<std::ptrdiff_t>(v_.first_control(sv)) * n;
@@ -190,6 +246,12 @@ void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0
     for (int j = 0; j < mv; ++j)
       for (int k = 0; k < mv; ++k)
         for (int c = 0; c < n; ++c) net[(i * mv + j) * n + c] += to_v[j * mv + k] * half[(i * mv + k) * n + c];
+}
+
+void BSplineSurface::span_bounds(int su, int sv, double u0, double u1, double v0, double v1, double out[4][4]) const {
+  const int mu = u_.degree() + 1, mv = v_.degree() + 1, n = dimension_;
+  std::vector<double> net(mu * mv * n);
+  bezier_net(su, sv, u0, u1, v0, v1, net);
   double magnitude = 0;
   for (const double x : net) magnitude = std::max(magnitude, std::abs(x));
   // What rounding may have done to a Bezier point; each difference doubles it.

@@ -34,13 +34,19 @@ class BSplineSurface : public ThirdOrderSurface {
  private:
   template <int PU, int PV, bool Rational>
   static SurfacePoint evaluate_table(const BSplineSurface& s, double u, double v);
-  static SurfacePoint evaluate_any(const BSplineSurface& s, double u, double v);
+  template <bool Rational>
+  static SurfacePoint evaluate_nets(const BSplineSurface& s, double u, double v);
+  void make_nets();
+  // The Bezier points over a rectangle within one span, row by row of equal u index.
+  void bezier_net(int su, int sv, double u0, double u1, double v0, double v1, std::vector<double>& net) const;
   void span_bounds(int su, int sv, double u0, double u1, double v0, double v1, double out[4][4]) const;
 
   BSplineBasis u_, v_;
   bool rational_;
   int dimension_;              // doubles per control point: 3, or 4 for (wx, wy, wz, w)
   std::vector<double> poles_;  // row by row of equal u index
+  std::vector<double> nets_;  // Bezier points of every span, row by row of the direction of the higher degree; or empty
+  bool v_first_ = false;      // that is v
   SurfacePoint (*evaluate_)(const BSplineSurface&, double, double) = nullptr;
 };
 

@@ -28,8 +28,8 @@ bool crosses(const std::vector<ParameterBreak>& breaks, double period, double lo
 
 class Builder {
  public:
-  Builder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal,
-          const Context& context, std::vector<CurvePiece>& out)
+  Builder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal, const Context& context,
+          std::vector<CurvePiece>& out)
       : curve_(curve),
         index_(index),
         surface_(surface),

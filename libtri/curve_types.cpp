@@ -167,7 +167,10 @@ class BSplineCurve final : public CurveBase<Vec> {
     double b[4 * (BSplineBasis::max_degree + 1)];
     t = basis_.wrapped(t);
     const int s = basis_.span(t), p = basis_.degree();
-    basis_.derivatives(s, t, order, b);
+    if (order <= 2)
+      basis_.values2(s, t, b);
+    else
+      basis_.derivatives(s, t, order, b);
     const double* poles = poles_.data() + static_cast<std::ptrdiff_t>(basis_.first_control(s)) * n_;
     double a[4][dim + 1] = {};
     for (int k = 0; k <= order; ++k)

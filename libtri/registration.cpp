@@ -10,12 +10,12 @@
 #include <cmath>
 #include <thread>
 
-#include "meshops/box_tree.hpp"
 #include "libtri/curve_piece.hpp"
 #include "libtri/outward_normals.hpp"
 #include "libtri/point_order.hpp"
 #include "libtri/surface_patch.hpp"
 #include "libtri/trim_region.hpp"
+#include "meshops/box_tree.hpp"
 
 namespace tri {
 
@@ -32,6 +32,9 @@ constexpr double accuracy = 1e-8;
 constexpr double tie_share = 1e-10;
 // Points between two looks at the context.
 constexpr std::size_t checkpoint_interval = 64;
+// Consecutive points that share the items that matter for them, if these are few.
+constexpr std::size_t group_size = 16, most_gathered = 32;
+constexpr double gathered_share = 0.02;
 
 tbb::task_arena arena_of(const Context& context) {
   const int cores = tbb::info::default_concurrency();
@@ -51,14 +54,30 @@ struct Registration::Impl {
   struct Search {
     explicit Search(const Impl& impl_in) : impl(impl_in), seen(impl_in.model.faces.size(), 0) {}
     Candidate closest(const Vec3& p);
+    /// Gathers the items that matter for every point in the box; false if they are too many to be worth it.
+    /// @param inside    a point in the box, whose distance from the model is `distance`
+    bool gather(const Vec3& box_low, const Vec3& box_high, double distance);
+    /// As `closest`, among the items gathered.
+    Candidate closest_gathered(const Vec3& p);
+    void begin(const Vec3& p, Candidate& best);
+    /// The feet of a few points that are near one another.
+    void register_group(std::span<const Vec3> points, std::span<const std::uint32_t> group, std::vector<Foot>& feet);
     void visit(std::uint32_t item, const Vec3& p, Candidate& best);
 
     const Impl& impl;
     std::vector<std::uint32_t> seen;  // per face: the last point whose closed-form feet were tried
     std::uint32_t serial = 0;
     std::uint32_t warm = none;
+    std::vector<std::uint32_t> gathered;
   };
 
+  // A distance, rounded down, that no part of the item goes below.
+  float bound(std::uint32_t item, const Vec3& p) const {
+    const auto patch_count = static_cast<std::uint32_t>(patches.size());
+    const double least = item < patch_count ? patches[item].lower_bound(p) * (1 - 1e-6) - 1e-6 * diagonal
+                                            : pieces[item - patch_count].lower_bound(p) - tie;
+    return least > 0 ? static_cast<float>(least) * (1 - 1e-6f) : 0;
+  }
   Foot finish(const Vec3& p, Candidate c) const;
 
   CadModel model;  // without polylines
@@ -252,16 +271,46 @@ void Registration::Impl::Search::visit(std::uint32_t item, const Vec3& p, Candid
                    best);
 }
 
-Candidate Registration::Impl::Search::closest(const Vec3& p) {
-  Candidate best;
+void Registration::Impl::Search::begin(const Vec3& p, Candidate& best) {
   best.tie = impl.tie;
   ++serial;
+  if (warm != none) visit(warm, p, best);
+}
+
+bool Registration::Impl::Search::gather(const Vec3& box_low, const Vec3& box_high, double distance) {
+  const Vec3 center = (box_low + box_high) / 2;
+  const double radius = (box_high - box_low).norm() / 2;
+  // The distance from the model grows no faster than the way one goes: nothing in the box is farther from it than this.
+  const double farthest = distance + 2 * radius;
+  const double reach = (farthest + radius) * (1 + 1e-6) + 2 * impl.tie;
+  gathered.clear();
+  impl.tree.search(
+      center, [&] { return gathered.size() <= most_gathered ? reach : 0; },
+      [&](std::uint32_t item) { return impl.bound(item, center); },
+      [&](std::uint32_t item) { gathered.push_back(item); });
+  return gathered.size() <= most_gathered;
+}
+
+Candidate Registration::Impl::Search::closest_gathered(const Vec3& p) {
+  Candidate best;
   const std::uint32_t first = warm;
-  if (first != none) visit(first, p, best);
-  const auto limit = [&] { return best.distance + impl.tie; };
-  impl.tree.search(p, limit, [&](std::uint32_t item) {
+  begin(p, best);
+  for (const std::uint32_t item : gathered)
     if (item != first) visit(item, p, best);
-  });
+  warm = std::isfinite(best.distance) ? best.item : none;
+  return best;
+}
+
+Candidate Registration::Impl::Search::closest(const Vec3& p) {
+  Candidate best;
+  const std::uint32_t first = warm;
+  begin(p, best);
+  const auto limit = [&] { return best.distance + impl.tie; };
+  impl.tree.search(
+      p, limit, [&](std::uint32_t item) { return impl.bound(item, p); },
+      [&](std::uint32_t item) {
+        if (item != first) visit(item, p, best);
+      });
   if (!std::isfinite(best.distance)) {
     // So far away that single precision overflows in the tree.
     const auto items = static_cast<std::uint32_t>(impl.patches.size() + impl.pieces.size());
@@ -270,6 +319,25 @@ Candidate Registration::Impl::Search::closest(const Vec3& p) {
   }
   warm = std::isfinite(best.distance) ? best.item : none;
   return best;
+}
+
+void Registration::Impl::Search::register_group(std::span<const Vec3> points, std::span<const std::uint32_t> group,
+                                                std::vector<Foot>& feet) {
+  Vec3 box_low = points[group[0]], box_high = box_low;
+  for (const std::uint32_t i : group) {
+    box_low.minimize(points[i]);
+    box_high.maximize(points[i]);
+  }
+  bool first = true, few = false;
+  for (const std::uint32_t i : group) {
+    const Vec3& p = points[i];
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+    const Candidate c = few ? closest_gathered(p) : closest(p);
+    feet[i] = impl.finish(p, c);
+    if (first && (box_high - box_low).norm() < gathered_share * impl.diagonal)
+      few = gather(box_low, box_high, c.distance);
+    first = false;
+  }
 }
 
 Foot Registration::Impl::finish(const Vec3& p, Candidate c) const {
@@ -354,12 +422,9 @@ std::vector<Foot> Registration::register_points(std::span<const Vec3> points, Co
             // Each block starts anew, so that the result does not depend on which thread did what before.
             search.warm = none;
             const std::size_t end = std::min(points.size(), (block + 1) * block_size);
-            for (std::size_t k = block * block_size; k < end; ++k) {
+            for (std::size_t k = block * block_size; k < end; k += group_size) {
               if (k % checkpoint_interval == 0) context.checkpoint();
-              const std::uint32_t i = order[k];
-              const Vec3& p = points[i];
-              if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
-              feet[i] = impl.finish(p, search.closest(p));
+              search.register_group(points, std::span(order).subspan(k, std::min(group_size, end - k)), feet);
             }
             const std::size_t count = ++done;
             if (std::this_thread::get_id() == caller)

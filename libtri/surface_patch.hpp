@@ -4,10 +4,10 @@
 #include <limits>
 #include <vector>
 
-#include "meshops/box_tree.hpp"
-#include "meshops/context.hpp"
 #include "libtri/cad_model.hpp"
 #include "libtri/trim_region.hpp"
+#include "meshops/box_tree.hpp"
+#include "meshops/context.hpp"
 
 namespace tri {
 

@@ -1,5 +1,3 @@
-#include "io/registration_file.hpp"
-
 #include <doctest/doctest.h>
 
 #include <charconv>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "io/mesh_file.hpp"
+#include "io/registration_file.hpp"
 #include "meshops/error.hpp"
 #include "temporary_folder.hpp"
 
@@ -31,7 +30,12 @@ struct Case {
     model.faces[0].index = 4;
     model.faces[1].index = 7;
     feet.resize(3);
-    feet[0] = {.point = {0.1 + 0.2, 2e22 / 7, 1}, .uv = {std::numbers::pi, -1e-17}, .deviation = -1.0 / 7, .normal = {}, .face = 1, .edge = 0};
+    feet[0] = {.point = {0.1 + 0.2, 2e22 / 7, 1},
+               .uv = {std::numbers::pi, -1e-17},
+               .deviation = -1.0 / 7,
+               .normal = {},
+               .face = 1,
+               .edge = 0};
     feet[1] = {.point = {1, 2, 3}, .uv = {4, 5}, .deviation = 6, .normal = {}, .face = 0, .edge = -1};
   }
 };
@@ -63,7 +67,9 @@ std::vector<double> expected(const Case& c, std::size_t i) {
   return row;
 }
 
-bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+bool same(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
 
 }  // namespace
 

@@ -294,6 +294,25 @@ TEST_CASE("surface: b-splines of degree 1 to 9, rational or not, at knots and en
   }
 }
 
+TEST_CASE("surface: b-splines of high degree, with few control points a span and with many, either direction higher") {
+  for (const bool rational : {false, true}) {
+    CAPTURE(rational);
+    for (const auto& [pu, pv] : {std::pair{2, 14}, {14, 2}, {12, 11}, {1, 25}}) {
+      CAPTURE(pu);
+      CAPTURE(pv);
+      // One span; two spans that meet in a knot of high multiplicity; several that share most of their control points.
+      for (const int more : {1, 4}) {
+        for (const int repeated : {1, 3}) {
+          const auto surface = bspline(pu + more, pv + more, pu, pv, rational, std::min(repeated, pu));
+          double u0, u1, v0, v1;
+          surface->Bounds(u0, u1, v0, v1);
+          check_surface(surface, u0, u1, v0, v1);
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("surface: a knot of full multiplicity is reported as a kink") {
   const auto surface = make_surface(bspline(12, 8, 3, 3, false, 3));
   const auto breaks = surface->u_breaks();
