@@ -32,6 +32,7 @@
 #include <Geom_ToroidalSurface.hxx>
 #include <Geom_TrimmedCurve.hxx>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gp_Ax22d.hxx>
 #include <gp_Hypr.hxx>
@@ -294,19 +295,85 @@ TEST_CASE("surface: b-splines of degree 1 to 9, rational or not, at knots and en
   }
 }
 
+namespace {
+
+// B-spline functions and their first two derivatives by the recursion of Cox and de Boor, in long double.
+// OpenCASCADE's own evaluation loses up to nine digits at these degrees.
+std::array<std::vector<long double>, 3> cox_de_boor(const std::vector<double>& k, int p, double t) {
+  const int n = static_cast<int>(k.size()) - p - 1;
+  int span = p;
+  while (span + 1 < n && t >= k[span + 1]) ++span;
+  std::vector<std::vector<long double>> value(p + 1, std::vector<long double>(n + p, 0));  // [degree][function]
+  const auto over = [](long double a, long double b) { return b > 0 ? a / b : 0; };
+  value[0][span] = 1;
+  for (int d = 1; d <= p; ++d)
+    for (int i = 0; i + d < n + p; ++i)
+      value[d][i] =
+          over(static_cast<long double>(t) - k[i], static_cast<long double>(k[i + d]) - k[i]) * value[d - 1][i] +
+          over(static_cast<long double>(k[i + d + 1]) - t, static_cast<long double>(k[i + d + 1]) - k[i + 1]) *
+              value[d - 1][i + 1];
+  const auto derived = [&](const std::vector<long double>& lower, int d) {
+    std::vector<long double> out(n + p, 0);
+    for (int i = 0; i + d < n + p; ++i)
+      out[i] = d * (over(lower[i], static_cast<long double>(k[i + d]) - k[i]) -
+                    over(lower[i + 1], static_cast<long double>(k[i + d + 1]) - k[i + 1]));
+    return out;
+  };
+  return {value[p], derived(value[p - 1], p), derived(derived(value[p - 2], p - 1), p)};
+}
+
+std::vector<double> flat(const TColStd_Array1OfReal& knots, const TColStd_Array1OfInteger& multiplicities) {
+  std::vector<double> k;
+  for (int i = knots.Lower(); i <= knots.Upper(); ++i) k.insert(k.end(), multiplicities(i), knots(i));
+  return k;
+}
+
+}  // namespace
+
 TEST_CASE("surface: b-splines of high degree, with few control points a span and with many, either direction higher") {
   for (const bool rational : {false, true}) {
     CAPTURE(rational);
-    for (const auto& [pu, pv] : {std::pair{2, 14}, {14, 2}, {12, 11}, {1, 25}}) {
+    for (const auto& [pu, pv] : {std::pair{2, 14}, {14, 2}, {12, 11}, {2, 25}}) {
       CAPTURE(pu);
       CAPTURE(pv);
-      // One span; two spans that meet in a knot of high multiplicity; several that share most of their control points.
       for (const int more : {1, 4}) {
-        for (const int repeated : {1, 3}) {
-          const auto surface = bspline(pu + more, pv + more, pu, pv, rational, std::min(repeated, pu));
-          double u0, u1, v0, v1;
-          surface->Bounds(u0, u1, v0, v1);
-          check_surface(surface, u0, u1, v0, v1);
+        const auto given = bspline(pu + more, pv + more, pu, pv, rational);
+        const auto surface = make_surface(given);
+        const auto ku = flat(given->UKnots(), given->UMultiplicities()),
+                   kv = flat(given->VKnots(), given->VMultiplicities());
+        for (const double u : parameters(ku.front(), ku.back(), surface->u_breaks())) {
+          for (const double v : parameters(kv.front(), kv.back(), surface->v_breaks())) {
+            const auto fu = cox_de_boor(ku, pu, u), fv = cox_de_boor(kv, pv, v);
+            long double a[3][3][4] = {};
+            for (int k = 0; k < 3; ++k)
+              for (int l = 0; k + l < 3; ++l)
+                for (int i = 1; i <= given->NbUPoles(); ++i)
+                  for (int j = 1; j <= given->NbVPoles(); ++j) {
+                    const long double w = fu[k][i - 1] * fv[l][j - 1] * given->Weight(i, j);
+                    for (int c = 0; c < 3; ++c) a[k][l][c] += w * given->Pole(i, j).Coord(c + 1);
+                    a[k][l][3] += w;
+                  }
+            Vec3 p, du, duu, duv;
+            double size = 1;
+            for (int c = 0; c < 3; ++c) {
+              const long double w = a[0][0][3], x = a[0][0][c] / w;
+              const long double xu = (a[1][0][c] - a[1][0][3] * x) / w, xv = (a[0][1][c] - a[0][1][3] * x) / w;
+              p[c] = static_cast<double>(x);
+              du[c] = static_cast<double>(xu);
+              duu[c] = static_cast<double>((a[2][0][c] - 2 * a[1][0][3] * xu - a[2][0][3] * x) / w);
+              duv[c] = static_cast<double>((a[1][1][c] - a[1][0][3] * xv - a[0][1][3] * xu - a[1][1][3] * x) / w);
+              size += std::abs(p[c]);
+            }
+            const SurfacePoint s = surface->evaluate(u, v);
+            CAPTURE(u);
+            CAPTURE(v);
+            // A derivative differs by what rounding does to it: the degree times as much for each order.
+            CHECK((s.p - p).norm() <= 1e-13 * size);
+            CHECK((surface->point(u, v) - p).norm() <= 1e-13 * size);
+            CHECK((s.du - du).norm() <= 1e-13 * size * 4 * pu);
+            CHECK((s.duu - duu).norm() <= 1e-13 * size * 16 * pu * pu);
+            CHECK((s.duv - duv).norm() <= 1e-13 * size * 16 * pu * pv);
+          }
         }
       }
     }
