@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libtri/alignment/exact_fit.hpp"
+#include "libtri/alignment/pose.hpp"
+
+namespace tri {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// J^T W J of point-to-plane residuals and its right side, over the turns (times `radius`, so that all six are lengths)
+/// and the shifts of the points about their centre.
+struct NormalEquations {
+  /// @param weights  one a residual, >= 0; their sum above 0
+  NormalEquations(std::span<const PointResidual> residuals, std::span<const double> weights);
+
+  Matrix6 matrix = Matrix6::Zero();  ///< divided by the sum of weights: eigenvalues lie in [0, 2]
+  Vector6 right_side = Vector6::Zero();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< weighted mean of the points, mm
+  double radius = 1;                                 ///< mm, rms distance of the points from it
+  double weight = 0;                                 ///< sum of the weights
+};
+
+/// A motion of the posed points that their distances to the model do not change.
+struct Freedom {
+  enum class Kind {
+    slide,  ///< along `axis`
+    turn,   ///< about `axis` through `place`
+    screw,  ///< about `axis` through `place`, moving `pitch` mm a turn along it
+    swivel  ///< about any axis through `place`
+  };
+  Kind kind = Kind::slide;
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();   ///< unit, the largest component positive
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< mm
+  double pitch = 0;                                 ///< mm
+  std::string in_words() const;                     ///< "slides along (0, 0, 1)"
+};
+
+struct PoseInformation {
+  /// Ascending eigenvalues of the normal equations: mean squared change of the distances for a unit motion. Below
+  /// `unfixed` the points do not fix that motion.
+  std::array<double, 6> eigenvalues{};
+  std::vector<Freedom> freedoms;
+  static constexpr double unfixed = 1e-5;
+};
+
+PoseInformation information_of(const NormalEquations& equations);
+
+/// True if `motion` is made up of `freedoms` only, to `tolerance` mm over points up to `radius` mm from `centre`.
+bool is_free(const Pose& motion, std::span<const Freedom> freedoms, const Vec3& centre, double radius,
+             double tolerance);
+
+}  // namespace tri
