@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
+#include "cli/alignment.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_input.hpp"
 #include "cli/number_checks.hpp"
@@ -18,6 +20,7 @@ namespace {
 
 struct Arguments {
   ModelInput model;
+  AlignInput align;
   std::string points, output, report, patches, method = "auto", unmeasured = "hole";
   double hole_size = 3, noise = 0, outlier_distance = 0;
   PointUnits units;
@@ -33,6 +36,7 @@ nlohmann::ordered_json options_json(const Arguments& a, const PointsFileInfo& fi
                               {"sew", a.model.sew},
                               {"outlier_distance", nullptr}};
   if (a.outlier_distance > 0) json["outlier_distance"] = a.outlier_distance;
+  json.update(to_json(a.align));
   json.update(to_json(a.units, file));
   return json;
 }
@@ -54,6 +58,18 @@ void write(const std::string& path, Mesh& mesh, const Arguments& a, Program& pro
   for (const std::string& note : written.notes) print_note(path + ": " + note);
 }
 
+// Moves the points onto the model; nothing where they are to be taken as they are.
+std::optional<AlignResult> align_points(const Arguments& a, const CadModel& model, PointSet& set, double factor, Program& program) {
+  const AlignOptions options = align_options(a.align, factor);
+  if (options.mode == AlignMode::none && !options.start) return std::nullopt;
+  const Registration registration(model, program.context);
+  AlignResult result = align(model, registration, set.points, set.normals, options, program.context);
+  require_fit(result, factor);
+  if (!result.pose.is_identity())
+    for (Vec3& p : set.points) p = result.pose(p);
+  return result;
+}
+
 int run(const Arguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.report, a.patches})
@@ -61,18 +77,20 @@ int run(const Arguments& a, Program& program) {
   PointsInBackground background(a.points, a.units, program);
   const CadModel model = read_model(a.model, program);
   PointsFileInfo file;
-  const PointSet set = background.get(&file);
+  PointSet set = background.get(&file);
+  const std::optional<AlignResult> alignment = align_points(a, model, set, factor_of(a.units, file), program);
   TriangulateResult result = triangulate(model, set.points, options_of(a), context);
   context.checkpoint();
 
-  const auto report = triangulate_report(result, model, set.points.size(), options_json(a, file));
+  auto report = triangulate_report(result, model, set.points.size(), options_json(a, file));
+  if (alignment) report["alignment"] = to_json(*alignment);
   if (result.patches) write(a.patches, *result.patches, a, program);
   write(a.output, result.mesh, a, program);
   if (!a.report.empty()) write_json(a.report, report);
   if (a.json)
     print_result(report);
   else
-    print_result(triangulate_summary(result, model, set.points.size()) + fmt::format("{}: the mesh\n", a.output) +
+    print_result((alignment ? alignment_text(*alignment) : "") + triangulate_summary(result, model, set.points.size()) + fmt::format("{}: the mesh\n", a.output) +
                  (result.patches ? fmt::format("{}: the mesh before stitching\n", a.patches) : "") +
                  (a.report.empty() ? "" : fmt::format("{}: the report\n", a.report)));
   return exit_done;
@@ -84,7 +102,7 @@ void add_triangulate_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("triangulate", "Make one mesh of a CAD file and unordered points measured on the part");
   const auto a = std::make_shared<Arguments>();
   add_model_options(*command, a->model);
-  command->add_option("points", a->points, "Measured points in the model's frame: XYZ, ASC, CSV, TXT, PLY or PCD, in any order")
+  command->add_option("points", a->points, "Measured points in any pose: XYZ, ASC, CSV, TXT, PLY or PCD, in any order")
       ->required();
   command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation), .stl, .obj, .off")
       ->required()
@@ -110,13 +128,15 @@ void add_triangulate_command(CLI::App& app, Program& program) {
                       "Points farther than this from the model, in mm, are outliers; default: by the points' own spread")
       ->check(above_zero())
       ->excludes("--noise");
+  add_align_options(*command, a->align);
   add_units_option(*command, a->units);
   command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");
   command->add_flag("--json", a->json, "The report on standard output");
   add_common_options(*command, program);
   command->footer(
-      "Every point that is not reported as an outlier is a vertex, once, at its measured position. A region without\n"
-      "points stays open and is named in the report; that is a result, not a failure.\n\n"
+      "Every point that is not reported as an outlier is a vertex, once, at its measured position, aligned to\n"
+      "the model; points that already lie on it are not moved at all. A region without points stays open and is named in\n"
+      "the report; that is a result, not a failure.\n\n"
       "Examples:\n"
       "  tri triangulate --cad lid.igs lid.xyz -o lid.ply --report lid.json\n"
       "  tri triangulate --cad part.step scan.csv -o part.stl --unmeasured span\n"

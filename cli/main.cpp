@@ -116,6 +116,7 @@ int main(int argc, char** argv) {
   Program program;
 #ifdef TRI_WITH_CAD
   add_triangulate_command(app, program);
+  add_align_command(app, program);
   add_register_command(app, program);
   add_sample_command(app, program);
   add_model_command(app, program);

@@ -159,14 +159,16 @@ class Alignment {
 
   // By how much the mean squared distance falls from the points as they are to `pose`, as a multiple of its size after,
   // to second order; and that times the number of points: chi-squared.
-  bool no_better_than_identity(const Pose& pose, std::span<const PointResidual> at_pose, double rms) const {
+  bool no_better_than_identity(const Pose& pose, std::span<const PointResidual> at_pose, const FitQuality& q) const {
     if (pose_distance(pose, Pose(), centre_, radius()) <= no_move * diagonal()) return true;
     const NormalEquations equations = equations_of(at_pose);
     const MotionParts back = parts_of(pose.inverse(), to_vec(equations.centre));
     Vector6 x;
     x << back.axis * (back.angle * equations.radius), back.shift;
-    const double gain = x.dot(equations.matrix * x) / (rms * rms + 1e-300);
-    return gain <= no_gain || gain * equations.weight <= chance_gain;
+    const double gain = x.dot(equations.matrix * x) / (q.rms * q.rms + 1e-300);
+    // Deviations that neighbours share are as good as fewer points (the effective size of a correlated sample).
+    const double independent = equations.weight * (1 - q.correlation) / (1 + q.correlation);
+    return gain <= no_gain || gain * independent <= chance_gain;
   }
 
   // True if the points lie on the model as they are; then the result is set.
@@ -187,7 +189,7 @@ class Alignment {
       return false;
     if (!fits(second, diagonal())) return false;
     result_.iterations = refined.steps;
-    if (no_better_than_identity(refined.pose, after, second.rms)) {
+    if (no_better_than_identity(refined.pose, after, second)) {
       result_.kept = true;
       set_quality(before, before.size());
     } else {
@@ -200,11 +202,9 @@ class Alignment {
     const auto before = target_.residuals(sample_.points, sample_.normals, start, quiet_);
     const double median = robust_sigma(before, diagonal()) / 1.4826;
     RefineOptions o = last_options();
-    o.metric = Metric::plane;
     o.first_kernel = std::clamp(3 * median, 2e-3 * diagonal(), 0.2 * diagonal());
     o.last_kernel = 1e-3 * diagonal();
     o.kernel_steps = 12;
-    if (options_.metric == Metric::point) o.kernel_steps = o.max_steps = 0;
     const Refined refined = refine_pose(target_, sample_.points, sample_.normals, start, o, quiet_);
     result_.iterations = refined.steps;
     lap("refine from the start");

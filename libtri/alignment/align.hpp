@@ -81,7 +81,8 @@ struct AlignResult {
 /// the points as well, and those far off are single ones and no regions.
 ///
 /// Where the points were already on the model and refinement lowers the mean squared distance by less than a twentieth
-/// or by what chance gives (chi-squared of six degrees, 1e-5), the identity is kept exactly.
+/// or by what chance gives (chi-squared of six degrees, 1e-5; deviations that neighbours share count as fewer points),
+/// the identity is kept exactly.
 ///
 /// The same seed gives the same pose for any number of threads.
 /// @param points   mm, at least 3

@@ -11,10 +11,11 @@ namespace tri {
 namespace {
 
 constexpr double inlier_sigmas = 4.685;
-constexpr double near_limit = 5e-3;        // of the diagonal
-constexpr double far_limit = 5e-4;         // of the diagonal
-constexpr double clip = 1e-2;              // of the diagonal: a point farther off counts as so far
-constexpr double far_neighbour = 2.5;      // times the usual distance: wild points in the air have no neighbours
+constexpr double near_limit = 5e-3;    // of the diagonal
+constexpr double far_limit = 5e-4;     // of the diagonal
+constexpr double clip = 1e-2;          // of the diagonal: a point farther off counts as so far
+constexpr double far_neighbour = 2.5;  // times the usual distance: wild points in the air have no neighbours
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t neighbours_far = 3;  // of four
 
 }  // namespace
@@ -58,7 +59,7 @@ FitQuality fit_quality(std::span<const PointResidual> residuals, const Neighbour
     return r.face < 0 || r.opposed ? clip * diagonal : std::clamp(r.value, -clip * diagonal, clip * diagonal);
   };
   std::size_t inliers = 0, near = 0, coherent = 0;
-  double squares = 0, products = 0;
+  double squares = 0, products = 0, inlier_products = 0, paired_squares = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const double x = value(i);
     near += std::abs(x) <= near_limit * diagonal;
@@ -67,16 +68,26 @@ FitQuality fit_quality(std::span<const PointResidual> residuals, const Neighbour
       squares += x * x;
     }
     std::size_t with_it = 0;
-    double others = 0;
+    double sum = 0, most = -infinity, least = infinity;
+    int count = 0;
     for (const std::uint32_t n : neighbours[i]) {
       if (n == i) continue;
       const double y = value(n);
-      others += 0.25 * y;
+      sum += y;
+      most = std::max(most, y);
+      least = std::min(least, y);
+      ++count;
       with_it += std::abs(y) > far && (x > 0) == (y > 0);
     }
     coherent += std::abs(x) > far && with_it >= neighbours_far;
-    // A single wild point and its quiet neighbours add next to nothing.
-    products += x * others;
+    // The middle of the neighbours, so that a single wild one among them adds nothing.
+    if (count < 3) continue;
+    const double middle = (sum - most - least) / (count - 2);
+    products += x * middle;
+    if (std::abs(x) <= limit && std::abs(middle) <= limit) {
+      inlier_products += x * middle;
+      paired_squares += 0.5 * (x * x + middle * middle);
+    }
   }
   const auto n = static_cast<double>(residuals.size());
   if (n == 0) return q;
@@ -84,6 +95,7 @@ FitQuality fit_quality(std::span<const PointResidual> residuals, const Neighbour
   q.near_share = static_cast<double>(near) / n;
   q.coherent_share = static_cast<double>(coherent) / n;
   q.rms = inliers > 0 ? std::sqrt(squares / static_cast<double>(inliers)) : 0;
+  q.correlation = paired_squares > 0 ? std::clamp(inlier_products / paired_squares, 0.0, 1 - 1e-6) : 0;
   q.systematic = std::sqrt(std::max(0.0, products / n));
   return q;
 }

@@ -22,6 +22,8 @@ struct FitQuality {
   double coherent_share = 0;
   /// mm: rms of what neighbours deviate in common; noise cancels.
   double systematic = 0;
+  /// Of an inlier's deviation with its neighbours', in [0, 1): 0 for noise; near 1 the deviations are the part's form.
+  double correlation = 0;
 };
 
 /// For each point its four nearest others; itself in place of those that are missing or much farther away than usual.

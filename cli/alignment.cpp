@@ -1,0 +1,139 @@
+#include "cli/alignment.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "io/pose_file.hpp"
+
+namespace tri::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+Json to_json(const FitQuality& q, double coverage) {
+  return {{"rms", q.rms},
+          {"sigma", q.sigma},
+          {"median", q.median},
+          {"inlier_share", q.inlier_share},
+          {"near_share", q.near_share},
+          {"coherent_share", q.coherent_share},
+          {"systematic", q.systematic},
+          {"coverage", coverage}};
+}
+
+const char* name_of(Freedom::Kind kind) {
+  constexpr std::array names{"slide", "turn", "screw", "swivel"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+}  // namespace
+
+void add_align_options(CLI::App& command, AlignInput& input) {
+  command
+      .add_option("--align", input.mode,
+                  "auto: points that lie on the model stay, any others are aligned from nothing; icp: refined from where "
+                  "they are, or from --pose or --pairs; none: taken as they are, or as --pose or --pairs say")
+      ->check(CLI::IsMember({"auto", "icp", "none"}))
+      ->capture_default_str();
+  auto* pose = command
+                   .add_option("--pose", input.pose,
+                               "Start from the pose in this JSON file: {\"matrix\": [[4x4]]}, or the report of an alignment")
+                   ->type_name("FILE");
+  command
+      .add_option("--pairs", input.pairs,
+                  "Start from three or more pairs of points: a text file with x y z X Y Z on each line, measured and in "
+                  "the model's frame (mm)")
+      ->type_name("FILE")
+      ->excludes(pose);
+  command.add_option("--seed", input.seed, "Of the random choices of the search; the same seed gives the same pose")
+      ->capture_default_str();
+}
+
+AlignOptions align_options(const AlignInput& input, double factor) {
+  AlignOptions options;
+  options.mode = align_mode(input.mode);
+  options.seed = input.seed;
+  if (!input.pose.empty()) options.start = read_pose(input.pose);
+  if (!input.pairs.empty()) {
+    PointPairs pairs = read_pairs(input.pairs);
+    for (Vec3& p : pairs.points) p *= factor;
+    options.start = fit_pose(pairs.points, pairs.places);
+  }
+  return options;
+}
+
+Json to_json(const AlignInput& input) {
+  Json json{{"align", input.mode}, {"pose", nullptr}, {"pairs", nullptr}, {"seed", input.seed}};
+  if (!input.pose.empty()) json["pose"] = input.pose;
+  if (!input.pairs.empty()) json["pairs"] = input.pairs;
+  return json;
+}
+
+Json to_json(const AlignResult& r) {
+  Json json{{"status", name_of(r.status)},
+            {"pose", {{"matrix", r.pose.matrix()}, {"meaning", "takes the points to the model"}}},
+            {"kept", r.kept},
+            {"searched", r.searched},
+            {"iterations", r.iterations},
+            {"points_used", r.points_used},
+            {"fit", to_json(r.quality, r.coverage)},
+            {"information", r.information.eigenvalues},
+            {"unit_factor", r.unit_factor}};
+  json["not_fixed"] = Json::array();
+  for (const Freedom& f : r.information.freedoms)
+    json["not_fixed"].push_back({{"kind", name_of(f.kind)},
+                                 {"axis", to_json(f.axis)},
+                                 {"place", to_json(f.place)},
+                                 {"pitch", f.pitch},
+                                 {"words", f.in_words()}});
+  json["alternatives"] = Json::array();
+  for (const Alternative& a : r.alternatives)
+    json["alternatives"].push_back(
+        {{"words", a.words}, {"pose", {{"matrix", a.pose.matrix()}}}, {"fit", to_json(a.quality, a.coverage)}});
+  json["reasons"] = r.reasons;
+  json["notes"] = r.notes;
+  json["seconds"] = Json::object();
+  for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = json["seconds"].value(step, 0.0) + seconds;
+  return json;
+}
+
+std::string alignment_text(const AlignResult& r) {
+  const MotionParts parts = parts_of(r.pose, Vec3(0, 0, 0));
+  std::string text = fmt::format("alignment: {}", name_of(r.status));
+  if (r.pose.is_identity())
+    text += r.kept ? ", the points already lie on the model and stay as they are\n" : "\n";
+  else
+    text += fmt::format(", turned by {:.4g} degrees about {}, then moved by {} mm\n", parts.angle * 180 / 3.14159265358979,
+                        in_words(parts.axis), in_words(r.pose.translation));
+  text += fmt::format("fit: rms {:.4g} mm of the {:.4g}% of points within the noise, median {:.4g} mm; {:.3g}% of the model is "
+                      "near a point; {} iterations\n",
+                      r.quality.rms, 100 * r.quality.inlier_share, r.quality.median, 100 * r.coverage, r.iterations);
+  for (const std::string& reason : r.reasons) text += reason + "\n";
+  for (const std::string& note : r.notes) text += note + "\n";
+  return text;
+}
+
+std::string unit_option(const AlignResult& result, double factor) {
+  constexpr std::array<std::pair<const char*, double>, 5> names{
+      {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"inch", 25.4}, {"ft", 304.8}}};
+  const double wanted = factor * result.unit_factor;
+  for (const auto& [name, millimetres] : names)
+    if (std::abs(wanted - millimetres) < 1e-6 * millimetres) return fmt::format("--units {}", name);
+  return fmt::format("--units {:.6g}", wanted);
+}
+
+void require_fit(const AlignResult& result, double factor) {
+  if (result.status != AlignStatus::failed) return;
+  std::string text;
+  for (const std::string& reason : result.reasons) text += (text.empty() ? "" : "; ") + reason;
+  if (result.unit_factor != 1) text += ": " + unit_option(result, factor);
+  throw Error(text);
+}
+
+}  // namespace tri::cli
