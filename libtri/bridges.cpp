@@ -32,21 +32,24 @@ constexpr double fold_cosine = -0.8660254037844386;     ///< 150 degrees
 /// left.
 constexpr std::array<int, 3> small_rings{6, 10, 14};
 constexpr std::array<int, 1> large_rings{28};
-constexpr double much = 0.002;             ///< of the area
+constexpr double much = 0.005;             ///< of the area
 constexpr int most_rounds = 6;             ///< over what still bridges
 constexpr int most_attempts = 4;           ///< at a region whose best triangulations cross others
 constexpr int zone_steps = 14;             ///< triangles around a bridging one that may change
-constexpr std::size_t most_changes = 400;  ///< before the search for crossings is sorted anew
+constexpr std::size_t most_changes = 400;  ///< before the search for crossings is sorted anew; more in a large zone
 constexpr std::size_t block = 8192;        ///< triangles
 
-double dot(const std::array<float, 3>& a, const Vec3& b) {
+using Normal = std::array<float, 3>;
+
+double dot(const Normal& a, const Vec3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Whether a triangle over points with these feet may bridge. @param n  its normal, of length `twice_area`
-bool disagrees(const Vec3& n, double twice_area, const Foot& a, const Foot& b, const Foot& c) {
+/// Whether a triangle over points with these normals of the model may bridge. @param n  its normal, of length
+/// `twice_area`
+bool disagrees(const Vec3& n, double twice_area, const Normal& a, const Normal& b, const Normal& c) {
   const double least = suspicious * twice_area;
-  return dot(a.normal, n) < least || dot(b.normal, n) < least || dot(c.normal, n) < least;
+  return dot(a, n) < least || dot(b, n) < least || dot(c, n) < least;
 }
 
 struct TripleHash {
@@ -65,16 +68,15 @@ class BridgeTest {
     quiet_.threads = threads;
   }
 
-  /// Finds out about all of `triangles` at once.
+  /// Finds out about all of `triangles`, which may bridge, at once.
   void ask(std::span<const Triangle> triangles) {
     wanted_.clear();
     turned_.clear();
     middles_.clear();
     for (const Triangle& t : triangles) {
       const Foot &a = feet_[t[0]], &b = feet_[t[1]], &c = feet_[t[2]];
-      const Vec3 n = (b.point - a.point) % (c.point - a.point);
       const Triangle key = sorted(t);
-      if (!disagrees(n, n.norm(), a, b, c) || !known_.emplace(key, false).second) continue;
+      if (!known_.emplace(key, false).second) continue;
       wanted_.push_back(key);
       turned_.push_back(is_odd(t));
       middles_.push_back((a.point + b.point + c.point) / 3.0);
@@ -266,7 +268,7 @@ class Lessener {
       }
       mesh_.replace(region_, patch_);
       for (std::int32_t r : region_) search_->note_change(static_cast<std::uint32_t>(r));
-      if (search_->changes() > most_changes) search_->refresh();
+      if (search_->changes() > most_changes + mesh_.triangles.size() / 64) search_->refresh();
       return true;
     }
     return false;
@@ -295,6 +297,10 @@ class Lessener {
     const double length = n.norm();
     return {length > 0 ? Vec3(n / length) : n, 0.5 * length};
   }
+  bool may_bridge(const Side& side, const Triangle& t) const {
+    const auto& v = mesh_.vertices;
+    return disagrees(side.normal, 1, v[t[0]].normal, v[t[1]].normal, v[t[2]].normal);
+  }
   static double fold(const Side& s, const Side& t) {
     return (s.normal | t.normal) < fold_cosine ? fold_weight * std::min(s.area, t.area) : 0;
   }
@@ -312,24 +318,24 @@ class Lessener {
     const int n = static_cast<int>(ring_.size());
     choices_.assign(choice(0, 1, n), Choice());
     wanted_.clear();
+    weighed_.clear();
     const auto possible = [&](int i, int j) { return j == i + 1 || (i == 0 && j == n - 1) || !taken_[i * n + j]; };
-    const auto for_all = [&](auto&& use) {
-      for (int j = 2; j < n; ++j)
-        for (int k = 1; k < j; ++k)
-          for (int i = 0; i < k; ++i) use(choices_[choice(i, k, j)], i, k, j);
-    };
-    for_all([&](Choice& c, int i, int k, int j) {
+    const auto weigh = [&](Choice& c, int i, int k, int j) {
       if (!possible(i, k) || !possible(k, j) || !possible(i, j)) return;
       const Triangle q{ring_[i], ring_[k], ring_[j]};
       const double own = plain_weight(q);
       if (own >= limit) return;
       c = {own, side_of(q)};
+      if (!may_bridge(c.side, q)) return;
       wanted_.push_back(points(q));
-    });
+      weighed_.push_back(&c);
+    };
+    for (int j = 2; j < n; ++j)
+      for (int k = 1; k < j; ++k)
+        for (int i = 0; i < k; ++i) weigh(choices_[choice(i, k, j)], i, k, j);
     test_.ask(wanted_);
-    for_all([&](Choice& c, int i, int k, int j) {
-      if (c.weight < infinity && test_(points({ring_[i], ring_[k], ring_[j]}))) c.weight += bridge_weight * c.side.area;
-    });
+    for (std::size_t w = 0; w < wanted_.size(); ++w)
+      if (test_(wanted_[w])) weighed_[w]->weight += bridge_weight * weighed_[w]->side.area;
   }
 
   /// Crossings of the patch with itself and what lies outside the region; notes the triangles that cross.
@@ -432,6 +438,7 @@ class Lessener {
   std::vector<std::int32_t> region_, queue_;
   std::vector<Side> beyond_side_;
   std::vector<Choice> choices_;
+  std::vector<Choice*> weighed_;  // as `wanted_`
   std::vector<std::uint32_t> ring_;
   std::vector<bool> taken_, crossing_;
   std::vector<Triangle> wanted_, patch_;
@@ -452,7 +459,7 @@ std::vector<std::uint32_t> find_suspicious(std::span<const Foot> feet, const Poi
       const Vec3 n = (b.point - a.point) % (c.point - a.point);
       const double twice_area = n.norm();
       area[i] += 0.5 * twice_area;
-      if (disagrees(n, twice_area, a, b, c)) found[i].push_back(static_cast<std::uint32_t>(t));
+      if (disagrees(n, twice_area, a.normal, b.normal, c.normal)) found[i].push_back(static_cast<std::uint32_t>(t));
     }
   });
   std::vector<std::uint32_t> all;
