@@ -54,6 +54,12 @@ class Few {
   std::size_t size_ = 0;
 };
 
+/// Small for the triangles between two scan lines.
+float elongation(const TriangleShape& s) {
+  return s.circumradius > 0 ? s.shortest / s.circumradius : 1;
+}
+constexpr float elongated = 0.3f;
+
 }  // namespace
 
 MeshStars::MeshStars(std::span<const Triangle> triangles, std::size_t vertices)
@@ -82,7 +88,7 @@ MeshSpacing::MeshSpacing(const PointMesh& mesh, std::span<const Vec3> places)
   around_.assign(places.size(), -1);
   // Between scan lines the circle through three points spans the distance of the lines; on scattered points it is
   // smaller than the spacing, by 0.6 in the median of a Poisson process.
-  constexpr float scattered = 1.5f, lines = 2.0f, elongated = 0.3f;
+  constexpr float scattered = 1.5f, lines = 2.0f;
   const tbb::blocked_range<std::uint32_t> all(0, static_cast<std::uint32_t>(places.size()), 4096);
   tbb::parallel_for(all, [&](const auto& range) {
     for (std::uint32_t v = range.begin(); v < range.end(); ++v) {
@@ -90,7 +96,7 @@ MeshSpacing::MeshSpacing(const PointMesh& mesh, std::span<const Vec3> places)
       for (std::uint32_t t : stars_.of(v)) {
         const TriangleShape& s = shapes_[t];
         radii.add(s.circumradius);
-        ratios.add(s.circumradius > 0 ? s.shortest / s.circumradius : 1);
+        ratios.add(elongation(s));
       }
       if (!radii.empty()) own_[v] = radii.lower_median() * (ratios.most_below(elongated) ? lines : scattered);
     }
@@ -118,33 +124,54 @@ MeshSpacing::MeshSpacing(const PointMesh& mesh, std::span<const Vec3> places)
   });
 }
 
-float MeshSpacing::lowest(const Triangle& t) const { return std::min({lowest_[t[0]], lowest_[t[1]], lowest_[t[2]]}); }
+float MeshSpacing::lowest(const Triangle& t) const {
+  return std::min({lowest_[t[0]], lowest_[t[1]], lowest_[t[2]]});
+}
 
 float MeshSpacing::at(std::uint32_t v) const {
   constexpr std::size_t enough = 40;
+  constexpr float most_along = 10;
   const std::atomic_ref<float> kept(around_[v]);
   if (const float known = kept.load(std::memory_order_relaxed); known >= 0) return known;
   thread_local std::vector<std::uint32_t> queue, seen;  // `seen` is sorted
   thread_local std::vector<float> values;
   queue.assign(1, v);
   seen.assign(1, v);
-  for (std::size_t i = 0; i < queue.size() && queue.size() < enough; ++i)
-    for (std::uint32_t t : stars_.of(queue[i]))
-      for (std::uint32_t w : mesh_.triangles[t]) {
-        const auto place = std::lower_bound(seen.begin(), seen.end(), w);
-        if (place != seen.end() && *place == w) continue;
-        seen.insert(place, w);
-        queue.push_back(w);
-      }
-  values.clear();
-  for (std::uint32_t w : queue) values.push_back(own_[w]);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  const float result = stars_.of(v).empty() ? 0 : *middle;
+  std::size_t next = 0;
+  const auto reach = [&](std::size_t count) {
+    for (; next < queue.size() && queue.size() < count; ++next)
+      for (std::uint32_t t : stars_.of(queue[next]))
+        for (std::uint32_t w : mesh_.triangles[t]) {
+          const auto place = std::lower_bound(seen.begin(), seen.end(), w);
+          if (place != seen.end() && *place == w) continue;
+          seen.insert(place, w);
+          queue.push_back(w);
+        }
+  };
+  const auto quantile = [&](auto&& value, std::size_t parts) {
+    values.clear();
+    for (std::uint32_t w : queue) values.push_back(value(w));
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / parts);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  reach(enough);
+  // On scan lines forty vertices are a stretch of very few lines, and where lines end or crowd none of them may be as
+  // far apart as lines are: as many more are taken as points lie closer along a line.
+  const auto ratio_of = [&](std::uint32_t w) {
+    Few ratios;
+    for (std::uint32_t t : stars_.of(w)) ratios.add(elongation(shapes_[t]));
+    return ratios.empty() ? 1 : ratios.lower_median();
+  };
+  if (const float ratio = quantile(ratio_of, 4); ratio < elongated)
+    reach(static_cast<std::size_t>(std::min(most_along, 2 / std::max(ratio, 0.01f)) * enough));
+  const float result = stars_.of(v).empty() ? 0 : quantile([&](std::uint32_t w) { return own_[w]; }, 2);
   kept.store(result, std::memory_order_relaxed);
   return result;
 }
 
-float MeshSpacing::at(const Triangle& t) const { return std::max({at(t[0]), at(t[1]), at(t[2])}); }
+float MeshSpacing::at(const Triangle& t) const {
+  return std::max({at(t[0]), at(t[1]), at(t[2])});
+}
 
 }  // namespace tri

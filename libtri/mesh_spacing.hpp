@@ -34,7 +34,7 @@ class MeshSpacing {
   /// @param mesh, places  are referred to. One place per point.
   MeshSpacing(const PointMesh& mesh, std::span<const Vec3> places);
 
-  /// The median over some forty vertices around, so that those at the rim of a gap know it as well as any; 0 for a
+  /// The median over some forty vertices around, on scan lines up to four hundred, so that those at the rim of a gap know it as well as any; 0 for a
   /// point in no triangle.
   float at(std::uint32_t v) const;
   /// The largest of a triangle's corners.

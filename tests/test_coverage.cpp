@@ -141,6 +141,14 @@ TEST_CASE("find_unmeasured: nothing is open where there is no gap") {
     }
 }
 
+TEST_CASE("find_unmeasured: where scan lines end and crowd, they are as far apart as elsewhere") {
+  MeasurementOptions options;
+  options.points = 20000;
+  options.pattern = SamplingPattern::scan;  // the lines' ends circle the pole, close to each other
+  options.seed = 5;
+  check_nothing_open(covered(example_part("sphere-cap"), options));
+}
+
 TEST_CASE("find_unmeasured: nothing is open on an example part that was measured all over") {
   for (const std::string name : {"boot-lid", "bracket", "elbow"})
     for (const SamplingPattern pattern : {SamplingPattern::random, SamplingPattern::scan}) {
