@@ -14,6 +14,7 @@
 #include "libtri/mesh_spacing.hpp"
 #include "meshops/disjoint_sets.hpp"
 #include "meshops/nearest_points.hpp"
+#include "meshops/select_indices.hpp"
 
 namespace tri {
 namespace {
@@ -84,21 +85,11 @@ bool send_through(const PointMesh& mesh, std::span<const Vec3> places, double di
 
 /// Only a triangle with a large circumcircle can hold the middle of a large empty disc. @return those, ascending
 std::vector<std::uint32_t> wide_triangles(const PointMesh& mesh, const MeshSpacing& spacing, double hole_size) {
-  constexpr std::size_t block_size = 1 << 14;  // triangles
-  const std::size_t n = mesh.triangles.size();
-  std::vector<std::vector<std::uint32_t>> found((n + block_size - 1) / block_size);
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t block) {
-    for (std::size_t i = block * block_size; i < std::min((block + 1) * block_size, n); ++i) {
-      const auto t = static_cast<std::uint32_t>(i);
-      const double radius = spacing.shape(t).circumradius;
-      if (radius >= 0.9 * hole_size * spacing.lowest(mesh.triangles[t]) &&
-          radius >= 0.9 * hole_size * spacing.at(mesh.triangles[t]))
-        found[block].push_back(t);
-    }
+  return select_indices(mesh.triangles.size(), [&](std::uint32_t t) {
+    const double radius = spacing.shape(t).circumradius;
+    return radius >= 0.9 * hole_size * spacing.lowest(mesh.triangles[t]) &&
+           radius >= 0.9 * hole_size * spacing.at(mesh.triangles[t]);
   });
-  std::vector<std::uint32_t> all;
-  for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
-  return all;
 }
 
 /// Spreads probes over a triangle, but not close to a point where the triangle lies along its side of the part: no disc

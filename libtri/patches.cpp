@@ -11,6 +11,7 @@
 #include "libtri/shell/delaunay_flips.hpp"
 #include "libtri/shell/vertex_removal.hpp"
 #include "meshops/error.hpp"
+#include "meshops/select_indices.hpp"
 
 namespace tri {
 namespace {
@@ -28,8 +29,8 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// The triangles whose corners are all points, of one face each if `one_face`.
-PointMesh measured_part(const EditMesh& mesh, std::span<const Foot> feet, bool one_face) {
+// The triangles whose corners are all points of one face.
+PointMesh measured_part_by_face(const EditMesh& mesh, std::span<const Foot> feet) {
   std::vector<std::int32_t> number(mesh.triangles.size(), -1);
   PointMesh part;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -40,7 +41,7 @@ PointMesh measured_part(const EditMesh& mesh, std::span<const Foot> feet, bool o
       const std::int32_t point = mesh.vertices[mesh.triangles[t][k]].point;
       points[k] = static_cast<std::uint32_t>(point);
       taken = taken && point >= 0 && static_cast<std::size_t>(point) < feet.size() &&
-              (!one_face || feet[points[k]].face == feet[points[0]].face);
+              feet[points[k]].face == feet[points[0]].face;
     }
     if (!taken) continue;
     number[t] = static_cast<std::int32_t>(part.triangles.size());
@@ -57,29 +58,79 @@ PointMesh measured_part(const EditMesh& mesh, std::span<const Foot> feet, bool o
   return part;
 }
 
+// The same of a mesh that is used up, in place: what is left out is replaced from the end. Points come first among its
+// vertices.
+PointMesh measured_part(EditMesh&& mesh, std::size_t n_points) {
+  PointMesh part;
+  part.triangles = std::move(mesh.triangles);
+  part.neighbors = std::move(mesh.neighbors);
+  std::vector<std::uint32_t> gone = select_indices(part.triangles.size(), [&](std::uint32_t t) {
+    const Triangle& q = part.triangles[t];
+    return q[0] == q[1] || q[0] >= n_points || q[1] >= n_points || q[2] >= n_points;
+  });
+  const auto relink = [&](std::uint32_t t, std::int32_t to) {
+    for (const std::int32_t n : part.neighbors[t])
+      if (n >= 0)
+        for (std::int32_t& back : part.neighbors[static_cast<std::size_t>(n)])
+          if (back == static_cast<std::int32_t>(t)) back = to;
+  };
+  for (const std::uint32_t t : gone) relink(t, -1);
+  std::size_t end = part.triangles.size(), left = gone.size();
+  for (std::size_t i = 0; i < left; ++i) {
+    while (left > i && gone[left - 1] == end - 1) --left, --end;
+    if (left <= i) break;
+    const auto last = static_cast<std::uint32_t>(--end);
+    relink(last, static_cast<std::int32_t>(gone[i]));
+    part.triangles[gone[i]] = part.triangles[last];
+    part.neighbors[gone[i]] = part.neighbors[last];
+  }
+  part.triangles.resize(end);
+  part.neighbors.resize(end);
+  return part;
+}
+
 // Marks the vertices around which flips may be needed: those of faces that their plane shows distorted, and the
 // neighbours of auxiliary vertices. Removing one makes no triangle but of these.
 std::vector<std::uint8_t> mark_loose(const AssembledPatches& assembled, std::span<const Foot> feet) {
   const EditMesh& mesh = assembled.mesh;
+  const auto& uniform = assembled.uniform_faces;
+  const bool all_uniform = std::find(uniform.begin(), uniform.end(), 0) == uniform.end();
   std::vector<std::uint8_t> loose(mesh.vertices.size(), 0);
-  for (const Triangle& t : mesh.triangles) {
-    bool near = false;
-    for (const std::uint32_t v : t)
-      near |= v >= feet.size() || !assembled.uniform_faces[static_cast<std::size_t>(feet[v].face)];
-    if (near)
-      for (const std::uint32_t v : t) loose[v] = 1;
-  }
+  const auto near = [&](std::uint32_t v) {
+    return v >= feet.size() || (!all_uniform && !uniform[static_cast<std::size_t>(feet[v].face)]);
+  };
+  for (const std::uint32_t t : select_indices(mesh.triangles.size(), [&](std::uint32_t i) {
+         const Triangle& q = mesh.triangles[i];
+         return near(q[0]) || near(q[1]) || near(q[2]);
+       }))
+    for (const std::uint32_t v : mesh.triangles[t]) loose[v] = 1;
   return loose;
 }
 
-std::vector<std::int32_t> triangles_at(const EditMesh& mesh, const std::vector<std::uint8_t>& loose) {
-  std::vector<std::int32_t> found;
-  for (std::size_t t = mesh.triangles.size(); t-- > 0;) {
+// Ascending.
+std::vector<std::uint32_t> triangles_at(const EditMesh& mesh, const std::vector<std::uint8_t>& loose) {
+  return select_indices(mesh.triangles.size(), [&](std::uint32_t t) {
     const Triangle& q = mesh.triangles[t];
-    if (mesh.alive(static_cast<std::int32_t>(t)) && (loose[q[0]] || loose[q[1]] || loose[q[2]]))
-      found.push_back(static_cast<std::int32_t>(t));
+    return mesh.alive(static_cast<std::int32_t>(t)) && (loose[q[0]] || loose[q[1]] || loose[q[2]]);
+  });
+}
+
+// Measures the areas of all vertices that a cost can ask for: those of the triangles at loose vertices, and of some around
+// them, since flips spread.
+void measure_areas_around(EditMesh& mesh, const std::vector<std::uint8_t>& loose) {
+  constexpr int steps = 12;
+  std::vector<std::uint8_t> wanted(mesh.triangles.size(), 0);
+  std::vector<std::uint32_t> front = triangles_at(mesh, loose), next;
+  for (const std::uint32_t t : front) wanted[t] = 1;
+  for (int step = 0; step < steps; ++step) {
+    next.clear();
+    for (const std::uint32_t t : front)
+      for (const std::int32_t n : mesh.neighbors[t])
+        if (n >= 0 && !wanted[static_cast<std::size_t>(n)])
+          wanted[static_cast<std::size_t>(n)] = 1, next.push_back(static_cast<std::uint32_t>(n));
+    front.swap(next);
   }
-  return found;
+  measure_vertex_areas(mesh, select_indices(wanted.size(), [&](std::uint32_t t) { return wanted[t] != 0; }));
 }
 
 }  // namespace
@@ -119,7 +170,7 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
   if (options.keep_patches) {
     measure_vertex_areas(assembled.separate);
     step("separate-patches").vertices_removed = remove_model_vertices(assembled.separate, context).removed;
-    result.patches = measured_part(assembled.separate, feet, true);
+    result.patches = measured_part_by_face(assembled.separate, feet);
     assembled.separate = {};
   }
 
@@ -127,8 +178,8 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
   constexpr std::int32_t pinned = std::numeric_limits<std::int32_t>::max();
   for (std::size_t k = 0; k < assembled.on_contour.size(); ++k)
     if (assembled.on_contour[k]) mesh.vertices[points.size() + k].point = pinned;
-  measure_vertex_areas(mesh);
   const std::vector<std::uint8_t> loose = mark_loose(assembled, feet);
+  measure_areas_around(mesh, loose);
   const auto remove = [&](const char* name) {
     const VertexRemoval removal = remove_model_vertices(mesh, context);
     Report& report = step(name);
@@ -141,14 +192,15 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
   remove("stitch-patches");
 
   Report& flipped = step("flip-diagonals");
-  std::vector<std::int32_t> seeds = triangles_at(mesh, loose);
+  const std::vector<std::uint32_t> at_loose = triangles_at(mesh, loose);
+  std::vector<std::int32_t> seeds(at_loose.rbegin(), at_loose.rend());
   flipped.figures["triangles looked at"] = static_cast<double>(seeds.size());
   if (!seeds.empty()) flipped.edges_flipped = cost_flips(mesh, std::move(seeds), context);
   flipped.seconds = clock.lap();
 
-  result.mesh = measured_part(mesh, feet, false);
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    if (mesh.vertex_triangle[v] >= 0 && mesh.vertices[v].point < 0) ++result.open_stars;
+  for (std::size_t v = points.size(); v < mesh.vertices.size(); ++v)
+    if (mesh.vertex_triangle[v] >= 0) ++result.open_stars;
+  result.mesh = measured_part(std::move(mesh), points.size());
   return result;
 }
 

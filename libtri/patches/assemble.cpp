@@ -1,5 +1,6 @@
 #include "libtri/patches/assemble.hpp"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -293,8 +294,10 @@ class Assembler {
   void assemble() {
     std::vector<EditMesh::Vertex> vertices(points_.size() + auxiliary_.size());
     std::vector<std::uint8_t> on_chain(vertices.size(), 0);
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      vertices[i] = {feet_[i].point, feet_[i].normal, 0, static_cast<std::int32_t>(i)};
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points_.size(), 4096), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        vertices[i] = {feet_[i].point, feet_[i].normal, 0, static_cast<std::int32_t>(i)};
+    });
     for (std::size_t k = 0; k < auxiliary_.size(); ++k) vertices[points_.size() + k].p = auxiliary_[k];
     std::vector<std::size_t> sizes;
     for (const EdgeChain& chain : chains_) {

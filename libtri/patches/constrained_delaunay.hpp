@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "libtri/delaunay.hpp"
@@ -28,6 +29,11 @@ class ConstrainedDelaunay {
 
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<std::array<std::int32_t, 3>>& neighbors() const { return neighbors_; }
+  /// Gives both away; afterwards only `fixed` may be asked.
+  void release(std::vector<Triangle>& triangles, std::vector<std::array<std::int32_t, 3>>& neighbors) {
+    triangles = std::move(triangles_);
+    neighbors = std::move(neighbors_);
+  }
   /// Whether the edge of triangle t opposite corner k is a segment.
   bool fixed(std::int32_t t, int k) const { return fixed_[static_cast<std::size_t>(t)] >> k & 1; }
 

@@ -143,7 +143,7 @@ class Patcher {
     return true;
   }
 
-  void emit(const ConstrainedDelaunay& triangulation) {
+  void emit(ConstrainedDelaunay& triangulation) {
     const auto n = triangulation.triangles().size();
     std::vector<std::int32_t> number(n, -1);
     std::vector<std::uint8_t> used(plane_.size(), 0);
@@ -153,25 +153,26 @@ class Patcher {
       number[t] = count++;
       for (const std::uint32_t v : triangulation.triangles()[t]) used[v] = 1;
     }
-    patch_.triangles.reserve(static_cast<std::size_t>(count));
-    patch_.neighbors.reserve(static_cast<std::size_t>(count));
-    for (std::size_t t = 0; t < n; ++t) {
-      if (!inside_[t]) continue;
-      const Triangle& q = triangulation.triangles()[t];
-      patch_.triangles.push_back({vertex_[q[0]], vertex_[q[1]], vertex_[q[2]]});
-      auto& around = patch_.neighbors.emplace_back();
-      for (int k = 0; k < 3; ++k) {
-        const std::int32_t next = triangulation.neighbors()[t][k];
-        around[k] = triangulation.fixed(static_cast<std::int32_t>(t), k) || next < 0
-                        ? -1
-                        : number[static_cast<std::size_t>(next)];
-      }
-    }
     for (const Segment& s : segments_) {
       const auto side = triangulation.left_of(s.from, s.to);
       patch_.sides.push_back(
           {number[static_cast<std::size_t>(side.triangle)], side.corner, s.edge, s.segment, s.along});
     }
+    // In place: a triangle moves forward if at all.
+    triangulation.release(patch_.triangles, patch_.neighbors);
+    for (std::size_t t = 0; t < n; ++t) {
+      if (!inside_[t]) continue;
+      const Triangle q = patch_.triangles[t];
+      patch_.triangles[static_cast<std::size_t>(number[t])] = {vertex_[q[0]], vertex_[q[1]], vertex_[q[2]]};
+      std::array<std::int32_t, 3> around = patch_.neighbors[t];
+      for (int k = 0; k < 3; ++k)
+        around[k] = triangulation.fixed(static_cast<std::int32_t>(t), k) || around[k] < 0
+                        ? -1
+                        : number[static_cast<std::size_t>(around[k])];
+      patch_.neighbors[static_cast<std::size_t>(number[t])] = around;
+    }
+    patch_.triangles.resize(static_cast<std::size_t>(count));
+    patch_.neighbors.resize(static_cast<std::size_t>(count));
     for (std::size_t i = n_nodes_; i < plane_.size(); ++i)
       if (!used[i]) patch_.outside.push_back(vertex_[i]);
     if (!patch_.coincident.empty()) {

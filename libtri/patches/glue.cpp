@@ -1,7 +1,13 @@
 #include "libtri/patches/glue.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <span>
 #include <utility>
+
+#include "meshops/select_indices.hpp"
 
 namespace tri {
 namespace {
@@ -13,13 +19,17 @@ struct Use {
 
 // Opens the sides of degenerate triangles onto each other and takes the triangles out.
 void drop_degenerate(EditMesh& mesh) {
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+  const std::vector<std::uint32_t> degenerate = select_indices(mesh.triangles.size(), [&](std::uint32_t t) {
+    const Triangle& q = mesh.triangles[t];
+    return q[0] == q[1] || q[1] == q[2] || q[2] == q[0];
+  });
+  if (degenerate.empty()) return;
+  for (const std::uint32_t i : degenerate) {
     const auto t = static_cast<std::int32_t>(i);
     const Triangle q = mesh.triangles[i];
     int same = -1;  // corner opposite the edge without length
     for (int k = 0; k < 3; ++k)
       if (q[(k + 1) % 3] == q[(k + 2) % 3]) same = k;
-    if (same < 0) continue;
     const std::int32_t a = mesh.neighbors[i][(same + 1) % 3], b = mesh.neighbors[i][(same + 2) % 3];
     const auto redirect = [&](std::int32_t who, std::int32_t to) {
       if (who < 0) return;
@@ -38,7 +48,6 @@ void drop_degenerate(EditMesh& mesh) {
   std::int32_t count = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     if (mesh.alive(static_cast<std::int32_t>(i))) number[i] = count++;
-  if (static_cast<std::size_t>(count) == mesh.triangles.size()) return;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (number[i] < 0) continue;
     const auto to = static_cast<std::size_t>(number[i]);
@@ -54,10 +63,11 @@ void drop_degenerate(EditMesh& mesh) {
   mesh.creases.resize(static_cast<std::size_t>(count));
 }
 
-void split_fans(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain) {
+// @param chained  the triangles with a vertex on a chain, ascending; others have no such vertex
+void split_fans(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain, std::span<const std::uint32_t> chained) {
   std::vector<std::uint8_t> seen(mesh.triangles.size(), 0);  // bit k: corner k
   std::vector<std::uint8_t> taken(mesh.vertices.size(), 0);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+  for (const std::uint32_t i : chained)
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t v = mesh.triangles[i][k];
       if (v >= on_chain.size() || !on_chain[v] || (seen[i] >> k & 1)) continue;
@@ -147,17 +157,19 @@ void split_edge(EditMesh& mesh, std::int32_t t, int k) {
 
 // Around a pole or a narrow closed face two edges may join the same two vertices: all but one get a vertex in the
 // middle.
-void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain) {
+// Inside a face no edge is double.
+void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain,
+                        std::span<const std::uint32_t> chained_triangles) {
   struct Edge {
     std::uint32_t a, b;
     Use use;
   };
   std::vector<Edge> edges;
   const auto chained = [&](std::uint32_t v) { return v >= on_chain.size() || on_chain[v]; };
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+  for (const std::uint32_t i : chained_triangles)
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = mesh.triangles[i][(k + 1) % 3], b = mesh.triangles[i][(k + 2) % 3];
-      if (!chained(a) && !chained(b)) continue;  // inside a face no edge is double
+      if (!chained(a) && !chained(b)) continue;
       const std::int32_t n = mesh.neighbors[i][k];
       if (n >= 0 && a > b) continue;  // seen from the other side
       edges.push_back({std::min(a, b), std::max(a, b), {static_cast<std::int32_t>(i), k}});
@@ -200,26 +212,30 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
   const auto face_of = [&](std::int32_t t) { return std::upper_bound(first.begin(), first.end(), t) - first.begin(); };
   std::size_t total = 0;
   for (const FacePatch& patch : patches) total += patch.triangles.size();
-  mesh.triangles.reserve(total);
-  mesh.neighbors.reserve(total);
+  mesh.triangles.resize(total);
+  mesh.neighbors.resize(total);
   std::vector<std::vector<std::vector<Use>>> uses(model.edges.size());
+  std::size_t begin = 0;
   for (std::size_t f = 0; f < patches.size(); ++f) {
     const FacePatch& patch = patches[f];
-    const auto base = static_cast<std::int32_t>(mesh.triangles.size());
+    const auto base = static_cast<std::int32_t>(begin);
     first.push_back(base);
     const bool turned = model.faces[f].reversed;
-    for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
-      Triangle t = patch.triangles[i];
-      std::array<std::int32_t, 3> n = patch.neighbors[i];
-      for (auto& x : n)
-        if (x >= 0) x += base;
-      if (turned) {
-        std::swap(t[1], t[2]);
-        std::swap(n[1], n[2]);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patch.triangles.size(), 1 << 14), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        Triangle t = patch.triangles[i];
+        std::array<std::int32_t, 3> n = patch.neighbors[i];
+        for (auto& x : n)
+          if (x >= 0) x += base;
+        if (turned) {
+          std::swap(t[1], t[2]);
+          std::swap(n[1], n[2]);
+        }
+        mesh.triangles[begin + i] = t;
+        mesh.neighbors[begin + i] = n;
       }
-      mesh.triangles.push_back(t);
-      mesh.neighbors.push_back(n);
-    }
+    });
+    begin += patch.triangles.size();
     for (const ChainSide& side : patch.sides) {
       auto& chain = uses[static_cast<std::size_t>(side.edge)];
       if (chain.empty()) chain.resize(chain_sizes[static_cast<std::size_t>(side.edge)]);
@@ -242,9 +258,13 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
       mesh.creases[static_cast<std::size_t>(u)] |= static_cast<std::uint8_t>(1 << j);
     }
   drop_degenerate(mesh);
-  split_fans(mesh, on_chain);
+  const std::vector<std::uint32_t> chained = select_indices(mesh.triangles.size(), [&](std::uint32_t t) {
+    const Triangle& q = mesh.triangles[t];
+    return (on_chain[q[0]] | on_chain[q[1]] | on_chain[q[2]]) != 0;
+  });
+  split_fans(mesh, on_chain, chained);
   mesh.index_vertices();
-  split_double_edges(mesh, on_chain);
+  split_double_edges(mesh, on_chain, chained);
   return mesh;
 }
 

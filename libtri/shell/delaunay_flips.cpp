@@ -1,6 +1,7 @@
 #include "libtri/shell/delaunay_flips.hpp"
 
 #include <cmath>
+#include <numeric>
 
 #include "libtri/shell/triangle_cost.hpp"
 #include "libtri/shell/triangle_geometry.hpp"
@@ -91,8 +92,15 @@ std::size_t delaunay_flips(EditMesh& mesh, std::vector<std::int32_t> seeds, cons
 }
 
 void measure_vertex_areas(EditMesh& mesh) {
+  std::vector<std::uint32_t> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  measure_vertex_areas(mesh, all);
+}
+
+void measure_vertex_areas(EditMesh& mesh, std::span<const std::uint32_t> triangles) {
   for (EditMesh::Vertex& v : mesh.vertices) v.area = 0;
-  for (const Triangle& t : mesh.triangles) {
+  for (const std::uint32_t i : triangles) {
+    const Triangle& t = mesh.triangles[i];
     const Vec3& a = mesh.vertices[t[0]].p;
     const double area = 0.5 * ((mesh.vertices[t[1]].p - a) % (mesh.vertices[t[2]].p - a)).norm();
     for (std::uint32_t v : t) mesh.vertices[v].area += static_cast<float>(area / 3);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "libtri/shell/edit_mesh.hpp"
@@ -20,6 +21,8 @@ std::size_t delaunay_flips(EditMesh& mesh, std::vector<std::int32_t> seeds, cons
 
 /// Sets `Vertex::area` to a third of the triangles around it.
 void measure_vertex_areas(EditMesh& mesh);
+/// The same from some triangles only, ascending: right for vertices whose whole star is among them.
+void measure_vertex_areas(EditMesh& mesh, std::span<const std::uint32_t> triangles);
 
 /// Flips edges while that lowers the sum of `TriangleCost`, which ends because the sum falls with every flip.
 /// @return number of flips

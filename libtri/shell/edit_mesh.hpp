@@ -55,6 +55,26 @@ class EditMesh {
   /// @return false if the fan has more than `limit` triangles (the star is then incomplete).
   bool star(std::uint32_t v, Star& out, std::size_t limit) const;
 
+  /// Calls `visit` for every vertex that shares an edge with `v`, for some of them twice.
+  template <class Visit>
+  void for_neighbors(std::uint32_t v, Visit visit) const {
+    const std::int32_t start = vertex_triangle[v];
+    std::int32_t t = start;
+    do {
+      const int c = corner(t, v);
+      visit(triangles[t][(c + 1) % 3]);
+      visit(triangles[t][(c + 2) % 3]);
+      t = neighbors[t][(c + 1) % 3];
+    } while (t >= 0 && t != start);
+    if (t == start) return;
+    t = neighbors[start][(corner(start, v) + 2) % 3];
+    while (t >= 0) {
+      const int c = corner(t, v);
+      visit(triangles[t][(c + 1) % 3]);
+      t = neighbors[t][(c + 2) % 3];
+    }
+  }
+
   bool has_edge(std::uint32_t a, std::uint32_t b) const;
   bool on_boundary(std::uint32_t v) const;
 

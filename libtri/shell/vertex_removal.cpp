@@ -6,7 +6,6 @@
 #include <numeric>
 #include <optional>
 #include <queue>
-#include <unordered_map>
 
 #include "libtri/shell/triangle_cost.hpp"
 #include "meshops/polygon_triangulation.hpp"
@@ -26,7 +25,8 @@ struct Plan {
 
 class Remover {
  public:
-  Remover(EditMesh& mesh, Context& context) : mesh_(mesh), context_(context), cost_(mesh) {}
+  Remover(EditMesh& mesh, Context& context)
+      : mesh_(mesh), context_(context), cost_(mesh), position_(mesh.vertices.size(), -1) {}
 
   VertexRemoval run() {
     std::vector<std::uint32_t> version(mesh_.vertices.size(), 0);
@@ -105,16 +105,11 @@ class Remover {
     const std::size_t n = star_.ring.size();
     outer_.assign(n * n, false);
     for (std::size_t i = 0; i < n; ++i) position_[star_.ring[i]] = static_cast<std::int32_t>(i);
-    EditMesh::Star around;
-    for (std::size_t i = 0; i < n; ++i) {
-      mesh_.star(star_.ring[i], around, std::numeric_limits<std::size_t>::max());
-      for (std::uint32_t w : around.ring) {
-        if (w == v) continue;
-        const auto at = position_.find(w);
-        if (at != position_.end()) outer_[i * n + static_cast<std::size_t>(at->second)] = true;
-      }
-    }
-    position_.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      mesh_.for_neighbors(star_.ring[i], [&](std::uint32_t w) {
+        if (w != v && position_[w] >= 0) outer_[i * n + static_cast<std::size_t>(position_[w])] = true;
+      });
+    for (const std::uint32_t w : star_.ring) position_[w] = -1;
   }
   /// Whether the vertices at positions `i` and `j` of what is left of the ring share an edge outside the star.
   bool taken(int i, int j) const {
@@ -261,7 +256,7 @@ class Remover {
   EditMesh::Star star_;
   std::vector<bool> outer_;
   std::vector<int> left_;  // positions in the star's ring that no ear has cut off
-  std::unordered_map<std::uint32_t, std::int32_t> position_;
+  std::vector<std::int32_t> position_;  // in the star's ring; -1 for other vertices
   std::vector<RingTriangle> ring_triangles_;
   std::vector<double> stretch_, area_;
   std::vector<int> apex_;
