@@ -13,17 +13,19 @@ float up(double x) {
 
 struct PieceBounds {
   double first, second;  // of |dE/dt|, |d2E/dt2|; second is infinite where a kink is crossed
+  double cut;            // where to halve the piece: at the kink, or in the middle
 };
 
-bool crosses(const std::vector<ParameterBreak>& breaks, double period, double low, double high) {
+// A kink strictly between low and high; NaN if there is none.
+double kink_between(const std::vector<ParameterBreak>& breaks, double period, double low, double high) {
   const double margin = 1e-9 * (high - low);
   for (const ParameterBreak& b : breaks) {
     if (b.continuity > 0) continue;
     double at = b.at;
-    if (period > 0) at += std::ceil((low - at) / period) * period;
-    if (at > low + margin && at < high - margin) return true;
+    if (period > 0) at += std::ceil((low + margin - at) / period) * period;
+    if (at > low + margin && at < high - margin) return at;
   }
-  return false;
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 class Builder {
@@ -65,22 +67,51 @@ class Builder {
   }
 
  private:
+  // The piece's box in (u,v): its ends, grown by how far the curve leaves its chord where it may turn back.
+  struct UvBox {
+    Vec2 low, high;
+  };
+
+  UvBox uv_box(double t0, double t1, const CurveBounds<Vec2>& c) const {
+    const Vec2 a = curve_.pcurve->point(t0), b = curve_.pcurve->point(t1);
+    const Vec2 slope = curve_.pcurve->evaluate((t0 + t1) / 2).d;
+    const double h = t1 - t0;
+    UvBox box;
+    for (int k = 0; k < 2; ++k) {
+      const double grow = std::abs(slope[k]) > c.dd[k] * h / 2 ? 0 : c.dd[k] * h * h / 8;
+      box.low[k] = std::min(a[k], b[k]) - grow;
+      box.high[k] = std::max(a[k], b[k]) + grow;
+    }
+    return box;
+  }
+
   PieceBounds bounds(double t0, double t1) const {
     const CurveBounds<Vec2> c = curve_.pcurve->bounds(t0, t1);
-    const Vec2 a = curve_.pcurve->point(t0), b = curve_.pcurve->point(t1);
-    const double h = t1 - t0;
-    // The piece's box in (u,v): its chord, grown by how far the curve leaves it.
-    const double grow_u = c.dd[0] * h * h / 8, grow_v = c.dd[1] * h * h / 8;
-    const double u0 = std::min(a[0], b[0]) - grow_u, u1 = std::max(a[0], b[0]) + grow_u;
-    const double v0 = std::min(a[1], b[1]) - grow_v, v1 = std::max(a[1], b[1]) + grow_v;
-    const SurfaceBounds s = surface_.bounds(u0, u1, v0, v1);
+    const UvBox box = uv_box(t0, t1, c);
+    const SurfaceBounds s = surface_.bounds(box.low[0], box.high[0], box.low[1], box.high[1]);
     PieceBounds out;
     out.first = s.du * c.d[0] + s.dv * c.d[1];
     out.second = s.duu * c.d[0] * c.d[0] + 2 * s.duv * c.d[0] * c.d[1] + s.dvv * c.d[1] * c.d[1] + s.du * c.dd[0] +
                  s.dv * c.dd[1];
-    if (crosses(u_, surface_.u_period(), u0, u1) || crosses(v_, surface_.v_period(), v0, v1))
+    out.cut = (t0 + t1) / 2;
+    for (int k = 0; k < 2; ++k) {
+      const double kink =
+          kink_between(k == 0 ? u_ : v_, k == 0 ? surface_.u_period() : surface_.v_period(), box.low[k], box.high[k]);
+      if (std::isnan(kink)) continue;
       out.second = SurfaceBounds::unknown;
+      out.cut = crossing(t0, t1, k, kink);
+    }
     return out;
+  }
+
+  // Where the curve meets the line on which coordinate k is `value`; the middle if its ends are on the same side.
+  double crossing(double t0, double t1, int k, double value) const {
+    const double side = curve_.pcurve->point(t0)[k] - value;
+    double low = t0, high = t1;
+    if (side * (curve_.pcurve->point(t1)[k] - value) >= 0) return (t0 + t1) / 2;
+    for (double middle = (low + high) / 2; middle > low && middle < high; middle = (low + high) / 2)
+      ((curve_.pcurve->point(middle)[k] - value) * side > 0 ? low : high) = middle;
+    return high;
   }
 
   void split(double t0, double t1, int depth) {
@@ -101,8 +132,8 @@ class Builder {
     const bool straight = remainder <= 0.05 * length && std::isfinite(second);
     const bool least = std::max(length, first) <= 1e-4 * diagonal_;
     if ((length > diagonal_ / 24 || (!straight && !least)) && depth < 30) {
-      split(t0, piece.t, depth + 1);
-      split(piece.t, t1, depth + 1);
+      split(t0, b.cut, depth + 1);
+      split(b.cut, t1, depth + 1);
       return;
     }
     piece.first = up(first * (1 + 1e-6));
@@ -128,7 +159,7 @@ void offer(const FaceCurve& curve, std::uint32_t index, const Surface& surface, 
   Vec3 normal;
   const CurvePoint3 e = on_surface(surface, *curve.pcurve, t, &uv, &normal);
   const double distance = (e.p - p).norm();
-  if (!best.yields_to(distance, curve.boundary)) return;
+  if (!best.yields_to(distance, curve.boundary, curve.face, index)) return;
   if (curve.inside_only && !region.contains(uv[0], uv[1])) return;
   best.distance = distance;
   best.foot = e.p;

@@ -130,7 +130,7 @@ Minimum minimise(const SurfacePatch& patch, const Surface& surface, const Vec3& 
 void offer(const SurfacePatch& patch, std::uint32_t index, const TrimRegion& region, const Vec3& p, double a, double b,
            const Vec3& foot, const Vec3& normal, Candidate& best) {
   const double distance = (foot - p).norm();
-  if (!best.yields_to(distance, false)) return;
+  if (!best.yields_to(distance, false, patch.face, index)) return;
   const Vec2 uv(patch.u + a * patch.half_u, patch.v + b * patch.half_v);
   if (!patch.inside && !region.contains(uv[0], uv[1])) return;
   best.distance = distance;
@@ -439,7 +439,7 @@ void closest_in_closed_form(const Surface& surface, const TrimRegion& region, st
   for (int k = 0; k < n; ++k) {
     const Vec3 foot = surface.point(feet[k][0], feet[k][1]);
     const double distance = (foot - p).norm();
-    if (!best.yields_to(distance, false)) continue;
+    if (!best.yields_to(distance, false, face, index)) continue;
     Vec2 uv = feet[k];
     if (!region.locate(uv)) continue;
     best.distance = distance;

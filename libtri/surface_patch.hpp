@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -24,10 +25,12 @@ struct Candidate {
   double t = 0;            ///< parameter on that curve
   double tie = 0;          ///< mm: distances that differ by less are equal
 
-  /// True if a place at `other` is to replace this one: nearer, or as near and on a trimming curve where this is not.
-  bool yields_to(double other, bool other_boundary) const {
-    if (other_boundary == boundary) return other < distance;
-    return other_boundary ? other <= distance + tie : other < distance - tie;
+  /// True if a place at distance `other` is to replace this one: nearer, or as near and on a trimming curve where this
+  /// is not, or as near and on a face of lower index. So the winner does not depend on which came first.
+  bool yields_to(double other, bool other_boundary, std::uint32_t other_face, std::uint32_t other_item) const {
+    if (other_boundary != boundary) return other_boundary ? other <= distance + tie : other < distance - tie;
+    if (other_face == face) return other < distance || (other == distance && other_item < item);
+    return std::abs(other - distance) <= tie ? other_face < face : other < distance;
   }
 };
 

@@ -3,16 +3,13 @@
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
-#include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepClass3d_SolidClassifier.hxx>
-#include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
-#include <BRep_Builder.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_BezierCurve.hxx>
 #include <Geom_OffsetSurface.hxx>
@@ -21,68 +18,30 @@
 #include <Precision.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Compound.hxx>
 #include <TopoDS_Face.hxx>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <gp_Circ.hxx>
 #include <limits>
 #include <numbers>
 #include <random>
 
-#include "io/cad_file.hpp"
 #include "libtri/example_parts.hpp"
 #include "libtri/registration.hpp"
 #include "libtri/shape_occt.hpp"
 #include "libtri/trim_region.hpp"
 #include "meshops/error.hpp"
+#include "points_around.hpp"
 
 namespace {
 
 using namespace tri;
+using namespace tri::test;
 using std::numbers::pi;
 
 CadModel model_of(const TopoDS_Shape& shape) {
   return make_cad_model(make_shape(shape));
-}
-
-std::vector<Vec3> random_points(int n, const Vec3& low, const Vec3& high, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> share(0, 1);
-  std::vector<Vec3> points(n);
-  for (Vec3& p : points)
-    for (int c = 0; c < 3; ++c) p[c] = low[c] + share(random) * (high[c] - low[c]);
-  return points;
-}
-
-// Points inside and around the model's box, the greater part close by.
-std::vector<Vec3> points_around(const CadModel& model, int n, unsigned seed) {
-  const Vec3 grow = (model.box_max - model.box_min) * 0.3 + Vec3(1, 1, 1) * (0.02 * model.diagonal);
-  return random_points(n, model.box_min - grow, model.box_max + grow, seed);
-}
-
-// Points at a normal distance of up to `reach` from random places of the faces.
-std::vector<Vec3> points_near(const CadModel& model, int n, double reach, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> share(0, 1);
-  std::vector<Vec3> points;
-  std::vector<TrimRegion> regions;
-  for (const CadFace& face : model.faces) regions.emplace_back(face);
-  while (static_cast<int>(points.size()) < n) {
-    const std::size_t f = random() % model.faces.size();
-    const TrimRegion& r = regions[f];
-    const double u = r.u_min() + share(random) * (r.u_max() - r.u_min()),
-                 v = r.v_min() + share(random) * (r.v_max() - r.v_min());
-    if (!r.contains(u, v) && random() % 50 != 0) continue;
-    const SurfacePoint s = model.faces[f].surface->evaluate(u, v);
-    const Vec3 normal = s.du % s.dv;
-    if (!(normal.norm() > 0)) continue;
-    points.push_back(s.p + normal.normalized() * (reach * (2 * share(random) - 1)));
-  }
-  return points;
 }
 
 std::vector<Foot> feet_of(const CadModel& model, const std::vector<Vec3>& points, int threads = 1) {
@@ -123,25 +82,6 @@ void check_feet(const CadModel& model, const std::vector<Vec3>& points, const st
   for (const CadFace& face : model.faces) regions.emplace_back(face);
   REQUIRE(feet.size() == points.size());
   for (std::size_t i = 0; i < points.size(); ++i) check_foot(model, regions, points[i], feet[i]);
-}
-
-// Against OpenCASCADE's distance from a vertex to the faces. A longer one of OpenCASCADE is allowed: it is a local
-// method, and check_foot proves ours to be on the model.
-void check_against_occt(const CadModel& model, const std::vector<Vec3>& points, const std::vector<Foot>& feet) {
-  TopoDS_Compound faces;
-  BRep_Builder builder;
-  builder.MakeCompound(faces);
-  for (TopExp_Explorer it(occt(model.shape), TopAbs_FACE); it.More(); it.Next()) builder.Add(faces, it.Current());
-  double tolerance = 1e-7 * model.diagonal;
-  for (const CadEdge& edge : model.edges) tolerance = std::max(tolerance, edge.tolerance);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const BRepExtrema_DistShapeShape truth(
-        BRepBuilderAPI_MakeVertex(gp_Pnt(points[i][0], points[i][1], points[i][2])).Vertex(), faces,
-        Extrema_ExtFlag_MIN);
-    if (!truth.IsDone()) continue;
-    CAPTURE(i);
-    CHECK(std::abs(feet[i].deviation) <= truth.Value() + tolerance);
-  }
 }
 
 // The least distance to a fine grid of the surface's own rectangle is an upper bound that no foot may exceed.
@@ -290,23 +230,6 @@ TEST_CASE("registration: over the hole of a plate the foot is on the rim, and be
   }
 }
 
-TEST_CASE("registration: never farther than OpenCASCADE's vertex-to-shape distance on the example parts") {
-  struct Case {
-    const char* part;
-    int points;
-  };
-  for (const Case& c : {Case{"sphere-cap", 60}, Case{"elbow", 60}, Case{"bracket", 60}, Case{"housing", 30},
-                        Case{"blade", 8}, Case{"boot-lid", 6}, Case{"fillet-block", 10}}) {
-    CAPTURE(c.part);
-    const CadModel model = make_cad_model(example_part(c.part));
-    auto points = points_around(model, c.points / 2, 6);
-    for (const Vec3& p : points_near(model, c.points - c.points / 2, 0.01 * model.diagonal, 7)) points.push_back(p);
-    const auto feet = feet_of(model, points);
-    check_feet(model, points, feet);
-    check_against_occt(model, points, feet);
-  }
-}
-
 TEST_CASE("registration: the sign tells inside from outside of solids, at edges and corners too") {
   for (const char* part : {"bracket", "housing"}) {
     CAPTURE(part);
@@ -418,21 +341,4 @@ TEST_CASE("registration: cancel stops it, progress runs from 0 to 1") {
 
 TEST_CASE("registration: no points, no feet") {
   CHECK(feet_of(model_of(BRepPrimAPI_MakeSphere(5).Shape()), {}).empty());
-}
-
-TEST_CASE("registration: real CAD files") {
-  const char* folder = std::getenv("TRI_DATA");
-  if (!folder) return;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(folder) / "cad")) {
-    const std::string path = entry.path().string();
-    CAPTURE(path);
-    Context context;
-    const CadModel model = make_cad_model(read_cad(path, context).shape);
-    auto points = points_around(model, 4, 14);
-    for (const Vec3& p : points_near(model, 400, 1e-4 * model.diagonal, 15)) points.push_back(p);
-    const auto feet = feet_of(model, points);
-    check_feet(model, points, feet);
-    const std::vector<Vec3> few(points.begin(), points.begin() + 6);
-    check_against_occt(model, few, feet);
-  }
 }
