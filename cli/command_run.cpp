@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
+#include "cli/points_input.hpp"
 #include "io/input_file.hpp"
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
 #include "meshops/pipeline.hpp"
+#include "meshops/point_soup.hpp"
 #include "meshops/to_soup.hpp"
 
 namespace tri::cli {
@@ -13,6 +15,7 @@ namespace {
 
 struct Arguments {
   std::string input, output, recipe, save;
+  PointUnits units;
   bool ascii = false, json = false;
 };
 
@@ -46,33 +49,81 @@ Pipeline pipeline_of(const Arguments& a, const Program& program) {
   }
 }
 
-int run(const Arguments& a, const Pipeline& pipeline, Program& program) {
-  Context& context = program.context;
-  check_output(a.output);
-  if (!a.save.empty()) check_output(a.save);
-  Geometry geometry = read_mesh(a.input, context);
-  const std::vector<Report> reports = pipeline.run(geometry, context);
+// What the input is read as. A PLY may hold either: the first step tells, or, without steps, the output's format.
+Domain input_domain(const Arguments& a, const Pipeline& pipeline) {
+  if (kind_of(a.input) == "points") return Domain::points;
+  if (!pipeline.empty()) return pipeline.steps().front().op->domain() == Domain::points ? Domain::points : Domain::soup;
+  return kind_of(a.output) == "points" ? Domain::points : Domain::soup;
+}
+
+Geometry read_input(const Arguments& a, const Pipeline& pipeline, nlohmann::ordered_json& json, Program& program) {
+  if (input_domain(a, pipeline) != Domain::points) return read_mesh(a.input, program.context);
+  PointsFileInfo file;
+  PointSet points = read_points_in_mm(a.input, a.units, program, &file);
+  json.update(to_json(a.units, file));
+  return points;
+}
+
+// Writes what came out; counts into `json` and, as a sentence, into the result.
+std::string write_output(const Arguments& a, Geometry& geometry, nlohmann::ordered_json& json, Program& program) {
+  MeshWriteReport written;
+  std::string text;
   if (auto* mesh = std::get_if<Mesh>(&geometry)) geometry = to_soup(view_of(*mesh));
-  const Soup& soup = std::get<Soup>(geometry);
-  const MeshWriteReport written = write_mesh(a.output, soup, {.ascii = a.ascii}, context);
+  if (auto* points = std::get_if<PointSet>(&geometry)) {
+    json["points"] = points->size();
+    text = fmt::format("{}: {} points\n", a.output, with_commas(points->size()));
+    if (a.ascii && file_extension(a.output) == "ply")
+      written = write_mesh(a.output, to_soup(std::move(*points)), {.ascii = true}, program.context);
+    else
+      write_points(a.output, *points, program.context);
+  } else {
+    const Soup& soup = std::get<Soup>(geometry);
+    json["vertices"] = soup.points.size();
+    json["triangles"] = soup.triangles.size();
+    text = fmt::format("{}: {} vertices, {} triangles\n", a.output, with_commas(soup.points.size()),
+                       with_commas(soup.triangles.size()));
+    written = write_mesh(a.output, soup, {.ascii = a.ascii}, program.context);
+  }
+  json["notes"] = written.notes;
   for (const std::string& note : written.notes)
     if (!program.quiet) print_note(a.output + ": " + note);
+  return text;
+}
+
+int run(const Arguments& a, const Pipeline& pipeline, Program& program) {
+  check_output(a.output);
+  if (!a.save.empty()) check_output(a.save);
+  nlohmann::ordered_json json{{"input", a.input}, {"output", a.output}};
+  Geometry geometry = read_input(a, pipeline, json, program);
+  const std::vector<Report> reports = pipeline.run(geometry, program.context);
+  std::string text;
+  for (const Report& report : reports) text += to_text(report);
+  text += write_output(a, geometry, json, program);
   if (a.json) {
-    nlohmann::ordered_json json{{"input", a.input},
-                                {"output", a.output},
-                                {"vertices", soup.points.size()},
-                                {"triangles", soup.triangles.size()},
-                                {"steps", nlohmann::ordered_json::array()},
-                                {"notes", written.notes}};
+    json["steps"] = nlohmann::ordered_json::array();
     for (const Report& report : reports) json["steps"].push_back(to_json(report));
     print_result(json);
   } else {
-    std::string text;
-    for (const Report& report : reports) text += to_text(report);
-    print_result(text + fmt::format("{}: {} vertices, {} triangles\n", a.output, with_commas(soup.points.size()),
-                                    with_commas(soup.triangles.size())));
+    print_result(text);
   }
   return exit_done;
+}
+
+void check_formats(const Arguments& a, const Pipeline& pipeline) {
+  const Domain input = input_domain(a, pipeline);
+  Domain result = input;
+  usage([&] { return pipeline.plan(input, &result); });
+  if (result != Domain::points) {
+    if (a.units.given != "auto") throw UsageError("--units is for points; a mesh has no unit");
+    require_extension(a.output, mesh_extensions, "the mesh to write");
+    return;
+  }
+  const std::string extension = file_extension(a.output);
+  if (extension == "stl" || extension == "obj" || extension == "off")
+    throw UsageError(fmt::format("\"{}\" is a mesh, and these are points: connecting them needs a model (tri triangulate "
+                                 "--cad)",
+                                 a.output));
+  require_extension(a.output, points_extensions, "the points to write");
 }
 
 // A dry run: what would be done, without opening a mesh.
@@ -85,13 +136,14 @@ int save_only(const Arguments& a, const Pipeline& pipeline) {
 }  // namespace
 
 void add_run_command(CLI::App& app, Program& program) {
-  auto* command = app.add_subcommand("run", "Run operators on a mesh, one after another");
+  auto* command = app.add_subcommand("run", "Run operators on a mesh or on points, one after another");
   const auto a = std::make_shared<Arguments>();
-  auto* input = command->add_option("in", a->input, "Mesh to read: PLY, STL, OBJ or OFF");
-  command->add_option("out", a->output, "Mesh to write; its ending (.ply, .stl, .obj, .off) gives the format")->needs(input);
+  auto* input = command->add_option("in", a->input, "Mesh (PLY, STL, OBJ, OFF) or points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) to read");
+  command->add_option("out", a->output, "File to write; its ending gives the format: mesh .ply, .stl, .obj, .off; points .xyz, .txt, .asc, .csv, .ply, .pcd")->needs(input);
   command->add_option("--recipe", a->recipe, "Take the steps from this file, as --save writes it");
   command->add_option("--save", a->save, "Write the steps to this file; without IN and OUT nothing else is done");
   command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");
+  add_units_option(*command, a->units);
   command->add_flag("--json", a->json, "The report of every step as JSON on standard output");
   add_common_options(*command, program);
   command->footer(
@@ -99,11 +151,12 @@ void add_run_command(CLI::App& app, Program& program) {
       "  tri run [OPTIONS] --recipe FILE IN OUT\n\n"
       "`tri ops` lists the operators, `tri ops NAME` explains the options of one. Steps are checked before any mesh is\n"
       "opened. A conversion that is needed and left out (build-mesh) is inserted, and shows in the report. Without steps,\n"
-      "the mesh is read and written: a change of format.\n\n"
+      "the file is read and written: a change of format. Points stay points: connecting them needs a model.\n\n"
       "Examples:\n"
       "  tri run part.stl ! fill-holes --max-edges 50 ! part.ply\n"
       "  tri run part.stl ! fill-holes ! flip-diagonals ! part.ply --save repair.json\n"
       "  tri run --recipe repair.json other.stl other.ply\n"
+      "  tri run scan.e57 ! remove-outliers ! thin --voxel 0.5 ! scan.ply\n"
       "  tri run part.stl part.obj");
   command->callback([a, &program] {
     const auto pipeline = std::make_shared<const Pipeline>(pipeline_of(*a, program));
@@ -113,8 +166,7 @@ void add_run_command(CLI::App& app, Program& program) {
       program.action = [a, pipeline] { return save_only(*a, *pipeline); };
       return;
     }
-    require_extension(a->output, mesh_extensions, "the mesh to write");
-    usage([&] { return pipeline->plan(Domain::soup); });
+    check_formats(*a, *pipeline);
     program.action = [a, pipeline, &program] {
       const int code = run(*a, *pipeline, program);
       if (!a->save.empty()) write_json(a->save, pipeline->to_json());

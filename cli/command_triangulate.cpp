@@ -13,6 +13,7 @@
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
 #include "libtri/triangulate.hpp"
+#include "meshops/point_soup.hpp"
 #include "meshops/to_soup.hpp"
 
 namespace tri::cli {
@@ -24,6 +25,7 @@ struct Arguments {
   std::string points, output, report, patches, method = "auto", unmeasured = "hole";
   double hole_size = 3, noise = 0, outlier_distance = 0;
   PointUnits units;
+  PointsPreparation preparation;
   bool ascii = false, json = false;
 };
 
@@ -38,6 +40,7 @@ nlohmann::ordered_json options_json(const Arguments& a, const PointsFileInfo& fi
   if (a.outlier_distance > 0) json["outlier_distance"] = a.outlier_distance;
   json.update(to_json(a.align));
   json.update(to_json(a.units, file));
+  json.update(to_json(a.preparation));
   return json;
 }
 
@@ -51,9 +54,12 @@ TriangulateOptions options_of(const Arguments& a) {
   return options;
 }
 
-void write(const std::string& path, Mesh& mesh, const Arguments& a, Program& program) {
+void write(const std::string& path, Mesh& mesh, const PointSet& set, const PreparedPoints& prepared, const Arguments& a,
+           Program& program) {
   Context uncancelled;  // an interrupt between two files would leave half of the result
-  const MeshWriteReport written = write_mesh(path, to_soup(view_of(mesh)), {.ascii = a.ascii}, uncancelled);
+  Soup soup = to_soup(view_of(mesh));
+  carry_columns(soup, set, prepared.original);
+  const MeshWriteReport written = write_mesh(path, soup, {.ascii = a.ascii}, uncancelled);
   if (program.quiet) return;
   for (const std::string& note : written.notes) print_note(path + ": " + note);
 }
@@ -78,19 +84,24 @@ int run(const Arguments& a, Program& program) {
   const CadModel model = read_model(a.model, program);
   PointsFileInfo file;
   PointSet set = background.get(&file);
+  const PreparedPoints prepared = prepare(set, a.preparation, context);
   const std::optional<AlignResult> alignment = align_points(a, model, set, factor_of(a.units, file), program);
   TriangulateResult result = triangulate(model, set.points, options_of(a), context);
   context.checkpoint();
 
+  prepared.name_as_in_file(result.outliers);
+  prepared.name_as_in_file(result.duplicates);
   auto report = triangulate_report(result, model, set.points.size(), options_json(a, file));
+  add_to_report(report, prepared);
   if (alignment) report["alignment"] = to_json(*alignment);
-  if (result.patches) write(a.patches, *result.patches, a, program);
-  write(a.output, result.mesh, a, program);
+  if (result.patches) write(a.patches, *result.patches, set, prepared, a, program);
+  write(a.output, result.mesh, set, prepared, a, program);
   if (!a.report.empty()) write_json(a.report, report);
   if (a.json)
     print_result(report);
   else
-    print_result((alignment ? alignment_text(*alignment) : "") + triangulate_summary(result, model, set.points.size()) + fmt::format("{}: the mesh\n", a.output) +
+    print_result(summary(prepared) + (alignment ? alignment_text(*alignment) : "") +
+                 triangulate_summary(result, model, set.points.size()) + fmt::format("{}: the mesh\n", a.output) +
                  (result.patches ? fmt::format("{}: the mesh before stitching\n", a.patches) : "") +
                  (a.report.empty() ? "" : fmt::format("{}: the report\n", a.report)));
   return exit_done;
@@ -102,9 +113,9 @@ void add_triangulate_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("triangulate", "Make one mesh of a CAD file and unordered points measured on the part");
   const auto a = std::make_shared<Arguments>();
   add_model_options(*command, a->model);
-  command->add_option("points", a->points, "Measured points in any pose: XYZ, ASC, CSV, TXT, PLY or PCD, in any order")
+  command->add_option("points", a->points, "Measured points in any pose: XYZ, ASC, CSV, TXT, PLY, PCD, PTX or E57, in any order")
       ->required();
-  command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation), .stl, .obj, .off")
+  command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation, and what the file says of each point), .stl, .obj, .off")
       ->required()
       ->type_name("FILE");
   command->add_option("--report", a->report, "Write what was made and what is missing, as JSON")->type_name("FILE");
@@ -130,6 +141,7 @@ void add_triangulate_command(CLI::App& app, Program& program) {
       ->excludes("--noise");
   add_align_options(*command, a->align);
   add_units_option(*command, a->units);
+  add_preparation_options(*command, a->preparation);
   command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");
   command->add_flag("--json", a->json, "The report on standard output");
   add_common_options(*command, program);

@@ -31,6 +31,8 @@ void to_millimetres(PointSet& set, const std::string& path, const PointUnits& po
         fmt::format("{}: in {}, as its format defines: converted to millimetres (--units mm takes the numbers as "
                     "they are)",
                     path, info.unit));
+  if (!program.quiet && info.format == PointsFormat::ptx && point_units.given == "auto")
+    print_note(fmt::format("{}: taken as millimetres; many programs write PTX in metres (--units m)", path));
 }
 
 }  // namespace

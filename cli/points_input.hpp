@@ -8,6 +8,7 @@
 #include "cli/program.hpp"
 #include "io/points_file.hpp"
 #include "meshops/point_set.hpp"
+#include "meshops/report.hpp"
 
 namespace tri::cli {
 
@@ -57,5 +58,36 @@ nlohmann::ordered_json to_json(const PointUnits& units, const PointsFileInfo& in
 
 /// The factor for this file.
 double factor_of(const PointUnits& units, const PointsFileInfo& info);
+
+/// The `--voxel` and `--remove-outliers` of the commands that measure or connect points; both off by default.
+struct PointsPreparation {
+  double voxel = 0;              ///< mm; 0: every point is kept
+  bool remove_outliers = false;  ///< with the operator's own defaults
+};
+
+void add_preparation_options(CLI::App& command, PointsPreparation& preparation);
+
+/// What the preparation did.
+struct PreparedPoints {
+  std::uint64_t measured = 0;           ///< points before
+  std::vector<Report> reports;          ///< of the operators that ran
+  std::vector<std::uint32_t> original;  ///< index in the file of every point that is left; empty if all are
+  std::vector<std::uint32_t> outliers;  ///< indices in the file of what `--remove-outliers` took
+
+  /// Turns indices of the points that are left into indices in the file.
+  void name_as_in_file(std::vector<std::uint32_t>& indices) const;
+};
+
+/// Removes outliers, then thins, in place. @throws as the operators do
+PreparedPoints prepare(PointSet& points, const PointsPreparation& preparation, Context& context);
+
+/// For reports: {"voxel": mm or null, "remove_outliers": bool}.
+nlohmann::ordered_json to_json(const PointsPreparation& preparation);
+
+/// Adds "points_used", "removed_outliers" and "preparation" (the operators' reports) if anything was asked for.
+void add_to_report(nlohmann::ordered_json& report, const PreparedPoints& prepared);
+
+/// One line for each operator that ran: what it took away.
+std::string summary(const PreparedPoints& prepared);
 
 }  // namespace tri::cli

@@ -14,6 +14,12 @@
 
 namespace tri {
 
+/// Threads that an operation may use: as many as the context allows, and no more than there are cores.
+inline int worker_threads(const Context& context) {
+  const int cores = tbb::info::default_concurrency();
+  return context.threads > 0 ? std::min(context.threads, cores) : cores;
+}
+
 /// Calls `body(block, begin, end)` for each block of `block_size` (> 0) indices below `count`, on at most `context.threads`
 /// threads. What a block is does not depend on them, so neither do results that are kept by block and combined in order.
 ///
@@ -26,8 +32,7 @@ void for_each_block(const Context& context, std::string_view step, std::size_t c
   std::atomic<std::size_t> done{0};
   context.checkpoint();
   if (!step.empty()) context.progress(step, 0);
-  const int cores = tbb::info::default_concurrency();
-  tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
+  tbb::task_arena arena(worker_threads(context));
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
       context.checkpoint();

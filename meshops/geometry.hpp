@@ -4,16 +4,20 @@
 #include <variant>
 
 #include "meshops/mesh.hpp"
+#include "meshops/point_set.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
 
-/// What an operator works on. Points are a soup without triangles.
+/// What an operator works on. Between soup and mesh a pipeline converts by itself; points cannot become either, since
+/// connecting them needs a model.
 enum class Domain { points, soup, mesh };
 
 std::string_view to_string(Domain domain);
 
 /// What a pipeline carries from step to step.
-using Geometry = std::variant<Soup, Mesh>;
+using Geometry = std::variant<Soup, Mesh, PointSet>;
+
+Domain domain_of(const Geometry& geometry);
 
 }  // namespace tri

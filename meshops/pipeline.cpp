@@ -202,7 +202,15 @@ Json Pipeline::to_json() const {
 std::vector<Pipeline::Step> Pipeline::plan(Domain input, Domain* result) const {
   std::vector<Step> planned;
   Domain domain = input;
-  for (const Step& step : steps_) {
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const Step& step = steps_[i];
+    if ((step.op->domain() == Domain::points) != (domain == Domain::points))
+      throw InvalidInput(place(i, *step.op) +
+                         (domain == Domain::points
+                              ? fmt::format("works on a {}, and these are points: connecting them needs a model "
+                                            "(tri triangulate --cad)",
+                                            to_string(step.op->domain()))
+                              : fmt::format("works on points, and this is a {}", to_string(domain))));
     if (is_mesh(step.op->domain()) != is_mesh(domain)) {
       const Operator& conversion = registry_->at(is_mesh(domain) ? unbuild_name : build_name);
       planned.push_back({&conversion, conversion.schema().make(), true});
@@ -232,7 +240,7 @@ std::vector<Report> Pipeline::run(MeshView mesh, Context& context) const {
 }
 
 std::vector<Report> Pipeline::run(Geometry& geometry, Context& context) const {
-  const std::vector<Step> planned = plan(std::holds_alternative<Mesh>(geometry) ? Domain::mesh : Domain::soup);
+  const std::vector<Step> planned = plan(domain_of(geometry));
   std::vector<Report> reports;
   std::size_t given = 0;
   for (std::size_t i = 0; i < planned.size(); ++i) {

@@ -46,6 +46,10 @@ class Pipeline {
   Pipeline& add(Report (*function)(Soup&, const O&, Context&), const std::type_identity_t<O>& options = {}) {
     return add(reinterpret_cast<Operator::Key>(function), std::make_shared<const O>(options));
   }
+  template <class O>
+  Pipeline& add(Report (*function)(PointSet&, const O&, Context&), const std::type_identity_t<O>& options = {}) {
+    return add(reinterpret_cast<Operator::Key>(function), std::make_shared<const O>(options));
+  }
   /// Adds an operator by name, with a JSON object of options. @throws InvalidInput as above, and for an unknown name or
   /// key.
   Pipeline& add(std::string_view name, const Json& options);
@@ -68,6 +72,7 @@ class Pipeline {
   bool empty() const { return steps_.empty(); }
 
   /// The steps that run on an input of this domain, inserted conversions included.
+  /// @throws InvalidInput naming the step that works on points and would get a mesh, or the other way round.
   /// @param result if not null, receives the domain of what the last step leaves
   std::vector<Step> plan(Domain input, Domain* result = nullptr) const;
 
@@ -77,7 +82,7 @@ class Pipeline {
   ///   InvalidInput is prefixed with the step). The steps before the failing one have been done; the mesh is valid.
   std::vector<Report> run(MeshView mesh, Context& context) const;
 
-  /// Runs on a soup or a mesh of its own, which changes type where the plan says so. An inserted conversion has a
+  /// Runs on points, a soup or a mesh of its own, which changes type where the plan says so. An inserted conversion has a
   /// report that notes why it is there. @throws as above; `geometry` then holds what the last step that was done left.
   std::vector<Report> run(Geometry& geometry, Context& context) const;
 

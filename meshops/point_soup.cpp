@@ -1,6 +1,10 @@
 #include "meshops/point_soup.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
+
+#include "meshops/error.hpp"
 
 namespace tri {
 
@@ -32,6 +36,34 @@ PointSet to_points(Soup soup) {
       set.scalars[name] = std::move(values);
   }
   return set;
+}
+
+void carry_columns(Soup& mesh, const PointSet& points, std::span<const std::uint32_t> original) {
+  const auto found = mesh.vertex_scalars.find("point_index");
+  if (found == mesh.vertex_scalars.end()) throw InvalidInput("the mesh does not say which point a vertex is");
+  std::vector<std::uint32_t> point_of;
+  point_of.reserve(found->second.size());
+  for (const double index : found->second) {
+    if (!(index >= 0 && index < static_cast<double>(points.size())))
+      throw InvalidInput(fmt::format("a vertex is point {} of {}", index, points.size()));
+    point_of.push_back(static_cast<std::uint32_t>(index));
+  }
+  const auto carry = [&](const std::string& name, const std::vector<double>& values) {
+    std::vector<double> column;
+    column.reserve(point_of.size());
+    for (const std::uint32_t p : point_of) column.push_back(values[p]);
+    mesh.vertex_scalars[mesh.vertex_scalars.contains(name) ? "input_" + name : name] = std::move(column);
+  };
+  if (!points.intensity.empty()) carry(intensity_name, points.intensity);
+  for (const auto& [name, values] : points.scalars) carry(name, values);
+  if (!points.colors.empty()) {
+    mesh.vertex_colors.clear();
+    mesh.vertex_colors.reserve(point_of.size());
+    for (const std::uint32_t p : point_of) mesh.vertex_colors.push_back(points.colors[p]);
+  }
+  if (original.empty()) return;
+  std::vector<double>& index = mesh.vertex_scalars["point_index"];
+  for (std::size_t v = 0; v < index.size(); ++v) index[v] = original[point_of[v]];
 }
 
 }  // namespace tri

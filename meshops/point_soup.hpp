@@ -20,4 +20,12 @@ PointSet to_points(Soup soup);
 /// case.
 bool names_intensity(const std::string& name);
 
+/// Gives the vertices of a triangulated mesh what was measured with their points: intensity, colours and further
+/// columns, by the vertex scalar "point_index". A column whose name the mesh already has becomes "input_NAME". Normals
+/// stay with the points: those of a mesh follow from its triangles.
+///
+/// @param original  if not empty, "point_index" is replaced by original[point_index] afterwards
+/// @throws InvalidInput if there is no such scalar, or an index is out of range; `mesh` is untouched then.
+void carry_columns(Soup& mesh, const PointSet& points, std::span<const std::uint32_t> original = {});
+
 }  // namespace tri

@@ -7,11 +7,13 @@
 #include "meshops/operators/remove_components.hpp"
 #include "meshops/operators/remove_degenerate.hpp"
 #include "meshops/operators/remove_duplicates.hpp"
+#include "meshops/operators/remove_outliers.hpp"
 #include "meshops/operators/remove_redundant.hpp"
 #include "meshops/operators/resolve_t_junctions.hpp"
 #include "meshops/operators/split_non_manifold.hpp"
 #include "meshops/operators/stitch_boundaries.hpp"
 #include "meshops/operators/stitch_contours.hpp"
+#include "meshops/operators/thin.hpp"
 #include "meshops/operators/weld.hpp"
 #include "meshops/registry.hpp"
 
@@ -31,6 +33,8 @@ void register_operators(Registry& registry) {
   registry.add("remove-components", remove_components, "Removes whole components by area, volume, size or rank, if asked to");
   registry.add("remove-degenerate", remove_degenerate, "Collapses needles and takes caps out, without leaving holes");
   registry.add("remove-duplicates", remove_duplicates, "Removes triangles with the same corners as another");
+  registry.add("remove-outliers", remove_outliers, "Removes points that lie alone, by the distance to their neighbours",
+               {.idempotent = false});
   registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
                {.idempotent = false});
   registry.add("resolve-t-junctions", resolve_t_junctions, "Splits boundary edges where other boundary vertices lie on them");
@@ -38,6 +42,7 @@ void register_operators(Registry& registry) {
   registry.add("stitch-boundaries", stitch_boundaries, "Joins boundary edges that coincide or face each other across a gap");
   registry.add("stitch-contours", stitch_contours, "Joins boundary contours that face each other by strips of triangles",
                {.idempotent = false});
+  registry.add("thin", thin, "Keeps one measured point in each voxel of a grid");
   registry.add("weld", weld, "Makes vertices that lie together one, where that joins edges");
 }
 

@@ -35,22 +35,32 @@ std::string_view to_string(Domain domain) {
   return "";
 }
 
+Domain domain_of(const Geometry& geometry) {
+  if (std::holds_alternative<PointSet>(geometry)) return Domain::points;
+  return std::holds_alternative<Mesh>(geometry) ? Domain::mesh : Domain::soup;
+}
+
 Report Operator::run(MeshView mesh, const void* options, Context& context) const {
   if (!run_mesh_) throw InvalidInput(fmt::format("{} works on {}, not on a mesh", name_, to_string(domain_)));
   return timed(name_, [&] { return run_mesh_(mesh, options, context); });
 }
 
 Report Operator::run(Geometry& geometry, const void* options, Context& context) const {
-  const bool is_mesh = std::holds_alternative<Mesh>(geometry);
-  if (convert_ && is_mesh == (domain_ == Domain::mesh))
-    return timed(name_, [&] { return convert_(geometry, context); });
-  if (is_mesh) return run(view_of(std::get<Mesh>(geometry)), options, context);
+  const Domain domain = domain_of(geometry);
+  if (convert_ && domain == domain_) return timed(name_, [&] { return convert_(geometry, context); });
+  if (domain == Domain::mesh) return run(view_of(std::get<Mesh>(geometry)), options, context);
+  if (domain == Domain::points) return run(std::get<PointSet>(geometry), options, context);
   return run(std::get<Soup>(geometry), options, context);
 }
 
 Report Operator::run(Soup& soup, const void* options, Context& context) const {
-  if (!run_soup_) throw InvalidInput(fmt::format("{} works on a mesh, not on a soup", name_));
+  if (!run_soup_) throw InvalidInput(fmt::format("{} works on {}, not on a soup", name_, to_string(domain_)));
   return timed(name_, [&] { return run_soup_(soup, options, context); });
+}
+
+Report Operator::run(PointSet& points, const void* options, Context& context) const {
+  if (!run_points_) throw InvalidInput(fmt::format("{} works on a {}, not on points", name_, to_string(domain_)));
+  return timed(name_, [&] { return run_points_(points, options, context); });
 }
 
 const Registry& Registry::standard() {

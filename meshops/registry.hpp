@@ -45,7 +45,8 @@ class Operator {
   /// @throws InvalidInput if an option is out of range or this is no mesh operator; else what the operator's header
   /// says.
   Report run(MeshView mesh, const void* options, Context& context) const;
-  /// The same for operators on points and soups.
+  /// The same for operators on points, and for those on soups.
+  Report run(PointSet& points, const void* options, Context& context) const;
   Report run(Soup& soup, const void* options, Context& context) const;
   /// The same for any operator, conversions included, on a geometry of its domain.
   Report run(Geometry& geometry, const void* options, Context& context) const;
@@ -62,6 +63,7 @@ class Operator {
   Key key_ = nullptr;
   std::function<Report(MeshView, const void*, Context&)> run_mesh_;
   std::function<Report(Soup&, const void*, Context&)> run_soup_;
+  std::function<Report(PointSet&, const void*, Context&)> run_points_;
   std::function<Report(Geometry&, Context&)> convert_;
 };
 
@@ -72,7 +74,7 @@ class Operator {
 ///
 ///     Report fill_holes(MeshView mesh, const FillHolesOptions& options, Context& context);
 ///
-/// (or `Soup&` in place of `MeshView`), whose first line is `validate(options);`. Then one line in
+/// (or `Soup&` or `PointSet&` in place of `MeshView`), whose first line is `validate(options);`. Then one line in
 /// register_operators.cpp.
 class Registry {
  public:
@@ -89,13 +91,22 @@ class Registry {
       return function(mesh, *static_cast<const O*>(options), context);
     };
   }
-  /// @param domain points or soup.
   template <class O>
   void add(std::string_view name, Report (*function)(Soup&, const O&, Context&), std::string_view summary,
-           Domain domain = Domain::soup, Promises promises = {}) {
-    Operator& op = insert(name, summary, domain, O::schema(), promises, reinterpret_cast<Operator::Key>(function));
+           Promises promises = {}) {
+    Operator& op =
+        insert(name, summary, Domain::soup, O::schema(), promises, reinterpret_cast<Operator::Key>(function));
     op.run_soup_ = [function](Soup& soup, const void* options, Context& context) {
       return function(soup, *static_cast<const O*>(options), context);
+    };
+  }
+  template <class O>
+  void add(std::string_view name, Report (*function)(PointSet&, const O&, Context&), std::string_view summary,
+           Promises promises = {}) {
+    Operator& op =
+        insert(name, summary, Domain::points, O::schema(), promises, reinterpret_cast<Operator::Key>(function));
+    op.run_points_ = [function](PointSet& points, const void* options, Context& context) {
+      return function(points, *static_cast<const O*>(options), context);
     };
   }
 

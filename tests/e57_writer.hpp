@@ -79,6 +79,8 @@ struct E57TestScan {
 
 class E57TestFile {
  public:
+  explicit E57TestFile(std::size_t page_size = 1024) : page(page_size), payload(page_size - 4) {}
+
   void add(const E57TestScan& scan) {
     while (logical_.size() % 4 != 0) logical_ += '\0';
     const std::size_t section = logical_.size();
@@ -144,10 +146,10 @@ class E57TestFile {
     return out;
   }
 
-  static constexpr std::size_t page = 1024, payload = 1020;
+  const std::size_t page, payload;
 
  private:
-  static std::uint64_t physical(std::size_t logical) { return logical / payload * page + logical % payload; }
+  std::uint64_t physical(std::size_t logical) const { return logical / payload * page + logical % payload; }
 
   std::string logical_ = std::string(48, '\0');
   std::string scans_;

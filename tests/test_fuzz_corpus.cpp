@@ -15,8 +15,8 @@ TEST_CASE("fuzz corpus: every file is read consistently or refused with an IoErr
     CAPTURE(entry.path().string());
     const std::string bytes = test::file_bytes(entry.path().string());
     bool fine = false;
-    if (format == "points")
-      CHECK_NOTHROW(fine = fuzz::read_as_points(bytes, "input.xyz"));
+    if (format == "points" || format == "ptx" || format == "e57")
+      CHECK_NOTHROW(fine = fuzz::read_as_points(bytes, "input." + (format == "points" ? "xyz" : format)));
     else
       CHECK_NOTHROW(fine = fuzz::read_as_mesh(bytes, "input." + format));
     accepted += fine;

@@ -5,6 +5,7 @@
 #include "mesh_check.hpp"
 #include "meshops/error.hpp"
 #include "meshops/operators/compact.hpp"
+#include "meshops/operators/thin.hpp"
 #include "meshops/pipeline.hpp"
 #include "meshops/to_soup.hpp"
 
@@ -46,7 +47,7 @@ const Registry& registry() {
   static const Registry r = [] {
     Registry made;
     register_operators(made);
-    made.add("nudge", nudge, "Moves points along z", Domain::points);
+    made.add("nudge", nudge, "Moves points along z");
     made.add("refuse", refuse, "Always throws");
     return made;
   }();
@@ -152,7 +153,7 @@ TEST_CASE("pipeline: a conversion that was left out is inserted and reported") {
   Domain result = Domain::mesh;
   const auto plan = pipeline.plan(Domain::soup, &result);
   REQUIRE(plan.size() == 5);
-  CHECK(result == Domain::points);
+  CHECK(result == Domain::soup);
   CHECK(plan[1].inserted);
   CHECK(plan[1].op->name() == "build-mesh");
   CHECK(plan[3].op->name() == "to-soup");
@@ -195,4 +196,31 @@ TEST_CASE("pipeline: a failing step is named, cancel stops before the next chang
   CHECK(message([&] { pipeline.run(view_of(mesh), context); }) == "step 2 (refuse): no");
   context.cancel();
   CHECK_THROWS_AS(pipeline.run(view_of(mesh), context), Cancelled);
+}
+
+TEST_CASE("pipeline: points stay points; what would connect them is refused before anything runs") {
+  PointSet set;
+  for (int i = 0; i < 10; ++i) set.points.emplace_back(0.25 * i, 0, 0);
+  Pipeline pipeline(registry());
+  pipeline.add(thin, {.voxel = 1}).add("remove-outliers");
+  Domain result = Domain::mesh;
+  CHECK(pipeline.plan(Domain::points, &result).size() == 2);
+  CHECK(result == Domain::points);
+  Geometry geometry = set;
+  Context context;
+  const std::vector<Report> reports = pipeline.run(geometry, context);
+  REQUIRE(reports.size() == 2);
+  CHECK(reports[0].operation == "thin");
+  CHECK(std::get<PointSet>(geometry).size() == 3);
+  CHECK(pipeline.to_tokens() == std::vector<std::string>{"thin", "!", "remove-outliers"});
+
+  Geometry soup = to_soup(view_of(*std::make_unique<Mesh>(grid(2, 2))));
+  CHECK(mentions(message([&] { pipeline.run(soup, context); }), "step 1 (thin): works on points, and this is a soup"));
+  CHECK(mentions(message([&] { pipeline.plan(Domain::mesh); }), "step 1 (thin): works on points, and this is a mesh"));
+  for (const char* name : {"fill-holes", "nudge", "build-mesh"}) {
+    Pipeline connecting(registry());
+    connecting.add("thin").add(name);
+    CHECK(mentions(message([&] { connecting.plan(Domain::points); }), std::string("step 2 (") + name + ")"));
+    CHECK(mentions(message([&] { connecting.plan(Domain::points); }), "needs a model"));
+  }
 }

@@ -69,7 +69,7 @@ TEST_CASE("registry: name and time of a report are filled for every operator") {
 
 TEST_CASE("registry: operators on soups, and a domain that does not fit") {
   Registry registry;
-  registry.add("shift", shift, "Moves points along x", Domain::points);
+  registry.add("shift", shift, "Moves points along x");
   const Operator& op = registry.at("shift");
   Soup soup{.points = {{0, 0, 0}}};
   ShiftOptions options{.x = 2.5};

@@ -51,15 +51,22 @@ inline bool read_as_mesh(std::string_view bytes, const std::string& name) {
 inline bool read_as_points(std::string_view bytes, const std::string& name) {
   Context context;
   context.threads = 1;
+  PointsFileInfo info;
   PointSet set;
   try {
-    set = parse_points(bytes, name, context);
+    set = parse_points(bytes, name, context, &info);
   } catch (const IoError&) {
     return false;
   }
   require(!set.points.empty(), "at least one point");
-  for (const Vec3& p : set.points) require(finite(p), "a coordinate is not finite");
-  require(set.normals.empty() || set.normals.size() == set.points.size(), "a normal for each point");
+  try {
+    validate(set);
+  } catch (const InvalidInput&) {
+    require(false, "columns of one length, coordinates finite");
+  }
+  std::uint64_t points = 0, skipped = 0;
+  for (const ScanInfo& scan : info.scans) points += scan.points, skipped += scan.skipped;
+  require(info.scans.empty() || (points == set.size() && skipped == info.points_skipped), "every point is of a scan");
   return true;
 }
 
