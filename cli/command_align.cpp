@@ -20,6 +20,7 @@ struct Arguments {
   AlignInput align;
   std::string points, output, pose, report, metric = "plane";
   PointUnits units;
+  PointsPreparation preparation;
   double probe_radius = 0, keep = 1;
   bool json = false;
 };
@@ -31,6 +32,7 @@ int run(const Arguments& a, Program& program) {
   const CadModel model = read_model(a.model, program);
   PointsFileInfo file;
   PointSet set = read_points_in_mm(a.points, a.units, program, &file);
+  const PreparedPoints prepared = prepare(set, a.preparation, context);
   const double factor = factor_of(a.units, file);
   AlignOptions options = align_options(a.align, factor);
   options.metric = a.metric == "point" ? Metric::point : Metric::plane;
@@ -44,7 +46,9 @@ int run(const Arguments& a, Program& program) {
                                {"probe_radius", a.probe_radius}, {"keep", a.keep}};
   given.update(to_json(a.align));
   given.update(to_json(a.units, file));
+  given.update(to_json(a.preparation));
   nlohmann::ordered_json report{{"version", version}, {"options", given}, {"points", set.size()}};
+  add_to_report(report, prepared);
   report["alignment"] = to_json(result);
   if (!a.report.empty()) write_json(a.report, report);
   if (a.json) print_result(report);
@@ -58,7 +62,7 @@ int run(const Arguments& a, Program& program) {
   if (!a.pose.empty()) write_pose(a.pose, result.pose);
   write_points(a.output, set, uncancelled);
   if (a.json) return exit_done;
-  std::string text = alignment_text(result);
+  std::string text = summary(prepared) + alignment_text(result);
   text += fmt::format("{}: {} points in the model's frame\n", a.output, with_commas(set.size()));
   if (!a.pose.empty()) text += fmt::format("{}: the pose\n", a.pose);
   if (!a.report.empty()) text += fmt::format("{}: the report\n", a.report);
@@ -74,7 +78,7 @@ void add_align_command(CLI::App& app, Program& program) {
   add_model_options(*command, a->model);
   command->add_option("points", a->points, "Measured points in any pose: any file that `tri info` knows as points, or \"-\"")
       ->required();
-  command->add_option("-o,--output", a->output, "The points in the model's frame, in their order: .xyz, .txt, .asc, .csv or .ply, in mm")
+  command->add_option("-o,--output", a->output, "The points in the model's frame, in their order: .xyz, .txt, .asc, .csv, .ply or .pcd, in mm")
       ->required()
       ->type_name("FILE");
   command->add_option("--write-pose", a->pose, "Write the pose as JSON: a 4x4 matrix that takes the points to the model")
@@ -97,6 +101,7 @@ void add_align_command(CLI::App& app, Program& program) {
       ->check(not_negative())
       ->capture_default_str();
   add_units_option(*command, a->units);
+  add_preparation_options(*command, a->preparation);
   command->add_flag("--json", a->json, "The report on standard output");
   add_common_options(*command, program);
   command->footer(
@@ -109,7 +114,7 @@ void add_align_command(CLI::App& app, Program& program) {
       "  tri align --cad part.step scan.xyz --pairs pairs.txt -o aligned.xyz\n"
       "  tri align --cad part.step more.xyz --pose pose.json --align none -o aligned.xyz");
   command->callback([a, &program] {
-    require_extension(a->output, {"xyz", "txt", "asc", "csv", "ply"}, "the points");
+    require_extension(a->output, points_extensions, "the points");
     if (!std::isfinite(a->probe_radius)) throw UsageError("--probe-radius is not a finite number");
     program.action = [a, &program] { return run(*a, program); };
   });

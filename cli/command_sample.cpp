@@ -78,7 +78,7 @@ void add_sample_command(CLI::App& app, Program& program) {
   const auto a = std::make_shared<Arguments>();
   MeasurementOptions& o = a->options;
   command->add_option("--cad", a->cad, "CAD model: IGES, STEP or BREP")->required()->type_name("FILE");
-  command->add_option("-o,--output", a->output, "Points to write: .xyz, .txt, .asc, .csv or .ply, in millimetres")
+  command->add_option("-o,--output", a->output, "Points to write: .xyz, .txt, .asc, .csv, .ply or .pcd, in millimetres")
       ->required()
       ->type_name("FILE");
   command->add_option("-n,--points", o.points, "How many")->check(CLI::Range(1.0, 1e9))->capture_default_str();
@@ -130,7 +130,7 @@ void add_sample_command(CLI::App& app, Program& program) {
       "  tri sample --cad part.step -n 50000 --drop-out 8 --drop-outs 2 -o gaps.xyz\n"
       "  tri sample --cad part.step -n 50000 --view 0,0,1 --move -o moved.xyz");
   command->callback([a, &program] {
-    require_extension(a->output, {"xyz", "txt", "asc", "csv", "ply"}, "the points");
+    require_extension(a->output, points_extensions, "the points");
     MeasurementOptions& options = a->options;
     options.pattern = usage([&] { return sampling_pattern(a->pattern); });
     options.max_angle = a->max_angle * std::numbers::pi / 180;

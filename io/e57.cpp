@@ -35,7 +35,8 @@ class ScanParser {
     assign_roles();
   }
 
-  void run(bool name_scans, std::uint64_t total, Context& context) {
+  /// @param earlier, total  records of the scans before this one, and of all
+  void run(bool name_scans, std::uint64_t earlier, std::uint64_t total, Context& context) {
     const std::size_t before = set_.size();
     set_.points.reserve(total);
     begin(set_.normals, roles_.normal[0] != none, Vec3(0, 0, 0), total);
@@ -55,7 +56,7 @@ class ScanParser {
     std::uint64_t skipped = 0;
     while (records.next()) {
       context.checkpoint();
-      context.progress("read", static_cast<double>(before + skipped) / static_cast<double>(total));
+      context.progress("read", static_cast<double>(earlier + records.first()) / static_cast<double>(total));
       for (std::size_t i = 0; i < records.available(); ++i) skipped += !take(records, i);
     }
     const std::size_t after = set_.size();
@@ -250,6 +251,7 @@ PointSet parse_e57(std::string_view bytes, const std::string& file, Context& con
   std::uint64_t total = 0;
   for (const E57Scan& scan : structure.scans) total += scan.records;
   PointSet set;
+  std::uint64_t earlier = 0;
   for (std::size_t k = 0; k < structure.scans.size(); ++k) {
     const E57Scan& scan = structure.scans[k];
     if (scan.records == 0) {
@@ -257,7 +259,8 @@ PointSet parse_e57(std::string_view bytes, const std::string& file, Context& con
       info.notes.push_back(fmt::format("{} holds no record", ScanParser::label(scan, k)));
       continue;
     }
-    ScanParser(pages, scan, k, set, info).run(structure.scans.size() > 1, total, context);
+    ScanParser(pages, scan, k, set, info).run(structure.scans.size() > 1, earlier, total, context);
+    earlier += scan.records;
   }
   if (structure.pictures > 0) info.notes.push_back(fmt::format("{} pictures are not read", structure.pictures));
   return set;
