@@ -1,7 +1,13 @@
 #include <fmt/format.h>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "io/mesh_formats.hpp"
@@ -55,16 +61,12 @@ std::string declarations(const std::vector<Column>& columns) {
   return text;
 }
 
-// The same sequence of values as text or as bytes.
-class Sink {
+// The values of an element, separated by blanks.
+class TextRecord {
  public:
-  Sink(AtomicFile& file, bool ascii) : file_(file), text_(file), ascii_(ascii) {}
+  explicit TextRecord(AtomicFile& file) : text_(file) {}
   template <class Value>
   void value(Value v) {
-    if (!ascii_) {
-      file_.write_value(v);
-      return;
-    }
     if (!first_) text_ << ' ';
     first_ = false;
     if constexpr (sizeof(Value) == 1)
@@ -72,28 +74,143 @@ class Sink {
     else
       text_ << v;
   }
-  void values(const std::vector<Column>& columns, std::size_t i) {
-    for (const Column& column : columns) {
-      const double v = (*column.values)[i];
-      if (column.type == Column::Type::uchar_)
-        value(static_cast<std::uint8_t>(v));
-      else if (column.type == Column::Type::int_)
-        value(static_cast<std::int32_t>(v));
-      else
-        value(v);
-    }
-  }
-  void end_record() {
-    if (ascii_) text_ << '\n';
+  void end() {
+    text_ << '\n';
     first_ = true;
   }
 
  private:
-  AtomicFile& file_;
   TextWriter text_;
-  bool ascii_;
   bool first_ = true;
 };
+
+// The values of an element, byte after byte.
+class BinaryRecord {
+ public:
+  explicit BinaryRecord(char* at) : at_(at) {}
+  template <class Value>
+  void value(Value v) {
+    std::memcpy(at_, &v, sizeof(Value));
+    at_ += sizeof(Value);
+  }
+
+ private:
+  char* at_;
+};
+
+template <class Record>
+void put_columns(Record& record, const std::vector<Column>& columns, std::size_t i) {
+  for (const Column& column : columns) {
+    const double v = (*column.values)[i];
+    if (column.type == Column::Type::uchar_)
+      record.value(static_cast<std::uint8_t>(v));
+    else if (column.type == Column::Type::int_)
+      record.value(static_cast<std::int32_t>(v));
+    else
+      record.value(v);
+  }
+}
+
+std::size_t size_of(const std::vector<Column>& columns) {
+  std::size_t size = 0;
+  for (const Column& column : columns)
+    size += column.type == Column::Type::uchar_ ? 1 : column.type == Column::Type::int_ ? 4 : 8;
+  return size;
+}
+
+template <class Record>
+void put_vertex(Record& record, const Soup& soup, const std::vector<Column>& columns, std::size_t i) {
+  for (int k = 0; k < 3; ++k) record.value(soup.points[i][k]);
+  if (!soup.vertex_normals.empty())
+    for (int k = 0; k < 3; ++k) record.value(soup.vertex_normals[i][k]);
+  put_columns(record, columns, i);
+  if (!soup.vertex_colors.empty())
+    for (const std::uint8_t c : soup.vertex_colors[i]) record.value(c);
+}
+
+template <class Record>
+void put_face(Record& record, const Soup& soup, const std::vector<Column>& columns, std::size_t i) {
+  record.value(std::uint8_t{3});
+  for (const std::uint32_t v : soup.triangles[i]) record.value(v);
+  put_columns(record, columns, i);
+}
+
+// Says how far writing has come.
+class Progress {
+ public:
+  Progress(const Soup& soup, Context& context)
+      : all_(static_cast<double>(soup.points.size() + soup.triangles.size())), context_(context) {}
+  void at(std::size_t element) {
+    context_.checkpoint();
+    context_.progress("write", static_cast<double>(element) / all_);
+  }
+
+ private:
+  double all_;
+  Context& context_;
+};
+
+void write_text(AtomicFile& file, const Soup& soup, const std::vector<Column>& vertex_columns,
+                const std::vector<Column>& face_columns, Context& context) {
+  Progress progress(soup, context);
+  TextRecord record(file);
+  for (std::size_t i = 0; i < soup.points.size(); ++i) {
+    if (i % checkpoint_interval == 0) progress.at(i);
+    put_vertex(record, soup, vertex_columns, i);
+    record.end();
+  }
+  for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+    if (i % checkpoint_interval == 0) progress.at(soup.points.size() + i);
+    put_face(record, soup, face_columns, i);
+    record.end();
+  }
+}
+
+// Fills blocks of records on all threads; while one is written, the next is filled.
+template <class Put>
+void write_records(AtomicFile& file, std::size_t count, std::size_t size, Put put, Progress& progress,
+                   std::size_t done_before) {
+  constexpr std::size_t block = 1 << 16;
+  std::vector<char> filled, next;
+  const auto fill = [&](std::size_t begin) {
+    const std::size_t end = std::min(begin + block, count);
+    next.resize(begin < end ? (end - begin) * size : 0);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, std::max(begin, end), 4096), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) put(i, next.data() + (i - begin) * size);
+    });
+  };
+  fill(0);
+  for (std::size_t begin = 0; begin < count; begin += block) {
+    progress.at(done_before + begin);
+    filled.swap(next);
+    tbb::parallel_invoke([&] { file.write({filled.data(), filled.size()}); }, [&] { fill(begin + block); });
+  }
+}
+
+void write_binary(AtomicFile& file, const Soup& soup, const std::vector<Column>& vertex_columns,
+                  const std::vector<Column>& face_columns, Context& context) {
+  Progress progress(soup, context);
+  const std::size_t vertex_size = 24 + (soup.vertex_normals.empty() ? 0 : 24) + size_of(vertex_columns) +
+                                  (soup.vertex_colors.empty() ? 0 : 3);
+  const std::size_t face_size = 13 + size_of(face_columns);
+  tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    write_records(
+        file, soup.points.size(), vertex_size,
+        [&](std::size_t i, char* at) {
+          BinaryRecord record(at);
+          put_vertex(record, soup, vertex_columns, i);
+        },
+        progress, 0);
+    write_records(
+        file, soup.triangles.size(), face_size,
+        [&](std::size_t i, char* at) {
+          BinaryRecord record(at);
+          put_face(record, soup, face_columns, i);
+        },
+        progress, soup.points.size());
+  });
+}
 
 }  // namespace
 
@@ -115,31 +232,10 @@ void write_ply(AtomicFile& file, const Soup& soup, bool ascii, Context& context)
   header += declarations(face_columns) + "end_header\n";
   file.write(header);
 
-  Sink sink(file, ascii);
-  const double all = static_cast<double>(soup.points.size() + soup.triangles.size());
-  for (std::size_t i = 0; i < soup.points.size(); ++i) {
-    if (i % checkpoint_interval == 0) {
-      context.checkpoint();
-      context.progress("write", static_cast<double>(i) / all);
-    }
-    for (int k = 0; k < 3; ++k) sink.value(soup.points[i][k]);
-    if (normals)
-      for (int k = 0; k < 3; ++k) sink.value(soup.vertex_normals[i][k]);
-    sink.values(vertex_columns, i);
-    if (colors)
-      for (const std::uint8_t c : soup.vertex_colors[i]) sink.value(c);
-    sink.end_record();
-  }
-  for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
-    if (i % checkpoint_interval == 0) {
-      context.checkpoint();
-      context.progress("write", static_cast<double>(soup.points.size() + i) / all);
-    }
-    sink.value(std::uint8_t{3});
-    for (const std::uint32_t v : soup.triangles[i]) sink.value(v);
-    sink.values(face_columns, i);
-    sink.end_record();
-  }
+  if (ascii)
+    write_text(file, soup, vertex_columns, face_columns, context);
+  else
+    write_binary(file, soup, vertex_columns, face_columns, context);
 }
 
 }  // namespace tri::io_detail

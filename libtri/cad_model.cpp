@@ -1,6 +1,7 @@
 #include "libtri/cad_model.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <BRep_Tool.hxx>
 #include <Geom2dAdaptor_Curve.hxx>
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "libtri/adaptive_polyline.hpp"
 #include "libtri/cad_polylines.hpp"
@@ -310,12 +312,13 @@ class Reader {
         breaks_within(face.surface->v_breaks(), face.surface->v_period(), face.v_min, face.v_max)};
     std::vector<double> areas;
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      areas.push_back(0);
-      for (std::size_t i = 0; i < lines[k].size(); ++i) {
+      std::vector<double> shares(lines[k].size());
+      tbb::parallel_for(std::size_t{0}, shares.size(), [&](std::size_t i) {
         const Coedge& coedge = face.loops[k].coedges[i];
-        areas[k] +=
-            (coedge.reversed ? -1 : 1) * area_share(*face.surface, breaks, *coedge.pcurve, lines[k][i], face.u_min);
-      }
+        shares[i] = area_share(*face.surface, breaks, *coedge.pcurve, lines[k][i], face.u_min);
+        if (coedge.reversed) shares[i] = -shares[i];
+      });
+      areas.push_back(std::accumulate(shares.begin(), shares.end(), 0.0));
       if (!std::isfinite(areas[k])) return "its area is not finite";
     }
     orient_loops(face, areas);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
 
 namespace tri {
 namespace {
@@ -29,28 +30,32 @@ class Few {
     if (size_ < values_.size()) values_[size_++] = x;
   }
   bool empty() const { return size_ == 0; }
-  /// By counting for each how many come before it: most vertices have six values, whose order no branch predicts.
+  /// Most vertices have six values, in an order that no branch predicts: a network sorts up to eight without any.
   float lower_median() const {
     const std::size_t middle = (size_ - 1) / 2;
-    for (std::size_t i = 0; i < size_; ++i) {
-      std::size_t below = 0, equal_before = 0;
-      for (std::size_t k = 0; k < size_; ++k) {
-        below += values_[k] < values_[i];
-        equal_before += (values_[k] == values_[i]) & (k < i);
-      }
-      if (below + equal_before == middle) return values_[i];
+    if (size_ > 8) {
+      std::array<float, 24> sorted = values_;
+      std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(middle),
+                       sorted.begin() + static_cast<std::ptrdiff_t>(size_));
+      return sorted[middle];
     }
-    return values_[0];
-  }
-  /// Whether the lower median is below `x`.
-  bool most_below(float x) const {
-    std::size_t below = 0;
-    for (std::size_t k = 0; k < size_; ++k) below += values_[k] < x;
-    return below > (size_ - 1) / 2;
+    std::array<float, 8> x;
+    for (std::size_t i = 0; i < 8; ++i) x[i] = i < size_ ? values_[i] : std::numeric_limits<float>::infinity();
+    const auto order = [&](std::size_t i, std::size_t k) {
+      const float low = std::min(x[i], x[k]), high = std::max(x[i], x[k]);
+      x[i] = low, x[k] = high;
+    };
+    order(0, 2), order(1, 3), order(4, 6), order(5, 7);
+    order(0, 4), order(1, 5), order(2, 6), order(3, 7);
+    order(0, 1), order(2, 3), order(4, 5), order(6, 7);
+    order(2, 4), order(3, 5);
+    order(1, 4), order(3, 6);
+    order(1, 2), order(3, 4), order(5, 6);
+    return x[middle];
   }
 
  private:
-  std::array<float, 24> values_;
+  std::array<float, 24> values_{};
   std::size_t size_ = 0;
 };
 
@@ -84,6 +89,7 @@ MeshSpacing::MeshSpacing(const PointMesh& mesh, std::span<const Vec3> places)
                          });
                        });
   own_.resize(places.size());
+  ratio_.assign(places.size(), 1);
   lowest_.resize(places.size());
   around_.assign(places.size(), -1);
   // Between scan lines the circle through three points spans the distance of the lines; on scattered points it is
@@ -98,7 +104,9 @@ MeshSpacing::MeshSpacing(const PointMesh& mesh, std::span<const Vec3> places)
         radii.add(s.circumradius);
         ratios.add(elongation(s));
       }
-      if (!radii.empty()) own_[v] = radii.lower_median() * (ratios.most_below(elongated) ? lines : scattered);
+      if (radii.empty()) continue;
+      ratio_[v] = ratios.lower_median();
+      own_[v] = radii.lower_median() * (ratio_[v] < elongated ? lines : scattered);
     }
   });
   std::vector<float> smooth(places.size(), 0);
@@ -133,22 +141,19 @@ float MeshSpacing::at(std::uint32_t v) const {
   constexpr float most_along = 10;
   const std::atomic_ref<float> kept(around_[v]);
   if (const float known = kept.load(std::memory_order_relaxed); known >= 0) return known;
-  thread_local std::vector<std::uint32_t> queue, seen;  // `seen` is sorted
-  thread_local std::vector<float> values;
+  auto& [queue, seen, values, round] = scratch_.local();
+  seen.resize(own_.size(), 0);
+  ++round;
   queue.assign(1, v);
-  seen.assign(1, v);
+  seen[v] = round;
   std::size_t next = 0;
-  const auto reach = [&](std::size_t count) {
+  const auto reach = [&, &queue = queue, &seen = seen, &round = round](std::size_t count) {
     for (; next < queue.size() && queue.size() < count; ++next)
       for (std::uint32_t t : stars_.of(queue[next]))
-        for (std::uint32_t w : mesh_.triangles[t]) {
-          const auto place = std::lower_bound(seen.begin(), seen.end(), w);
-          if (place != seen.end() && *place == w) continue;
-          seen.insert(place, w);
-          queue.push_back(w);
-        }
+        for (std::uint32_t w : mesh_.triangles[t])
+          if (seen[w] != round) seen[w] = round, queue.push_back(w);
   };
-  const auto quantile = [&](auto&& value, std::size_t parts) {
+  const auto quantile = [&, &queue = queue, &values = values](auto&& value, std::size_t parts) {
     values.clear();
     for (std::uint32_t w : queue) values.push_back(value(w));
     const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / parts);
@@ -158,12 +163,7 @@ float MeshSpacing::at(std::uint32_t v) const {
   reach(enough);
   // On scan lines forty vertices are a stretch of very few lines, and where lines end or crowd none of them may be as
   // far apart as lines are: as many more are taken as points lie closer along a line.
-  const auto ratio_of = [&](std::uint32_t w) {
-    Few ratios;
-    for (std::uint32_t t : stars_.of(w)) ratios.add(elongation(shapes_[t]));
-    return ratios.empty() ? 1 : ratios.lower_median();
-  };
-  if (const float ratio = quantile(ratio_of, 4); ratio < elongated)
+  if (const float ratio = quantile([&](std::uint32_t w) { return ratio_[w]; }, 4); ratio < elongated)
     reach(static_cast<std::size_t>(std::min(most_along, 2 / std::max(ratio, 0.01f)) * enough));
   const float result = stars_.of(v).empty() ? 0 : quantile([&](std::uint32_t w) { return own_[w]; }, 2);
   kept.store(result, std::memory_order_relaxed);

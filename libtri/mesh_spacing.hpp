@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -50,6 +52,13 @@ class MeshSpacing {
   std::vector<TriangleShape> shapes_;
   MeshStars stars_;
   std::vector<float> own_, lowest_;
+  std::vector<float> ratio_;  // small on scan lines: the median around a vertex of shortest edge over circumradius
+  struct Scratch {
+    std::vector<std::uint32_t> queue, seen;  // seen: the last round that met the vertex
+    std::vector<float> values;
+    std::uint32_t round = 0;
+  };
+  mutable tbb::enumerable_thread_specific<Scratch> scratch_;
   mutable std::vector<float> around_;  // -1 until asked; written as atomics, always with the same value
 };
 

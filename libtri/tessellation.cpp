@@ -215,7 +215,7 @@ SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vect
     for (int k = 0; k < 3; ++k) {
       used[triangles[i][k]] = true;
       if (neighbors[i][k] >= 0) {
-        components.join(i, static_cast<std::uint32_t>(neighbors[i][k]));
+        if (neighbors[i][k] > static_cast<std::int32_t>(i)) components.join(i, static_cast<std::uint32_t>(neighbors[i][k]));
         edges_twice += 1;
       } else {
         const std::uint32_t a = triangles[i][(k + 1) % 3], b = triangles[i][(k + 2) % 3];

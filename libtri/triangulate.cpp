@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -23,6 +24,7 @@
 #include "libtri/untangle.hpp"
 #include "meshops/build_mesh.hpp"
 #include "meshops/error.hpp"
+#include "meshops/select_indices.hpp"
 
 namespace tri {
 namespace {
@@ -77,48 +79,71 @@ void leave_out(std::vector<Foot>& feet, std::span<const std::uint32_t> indices) 
   for (std::uint32_t i : indices) feet[i].face = -1;
 }
 
-/// Makes the mesh and uses `connected` up, since at this step memory is highest.
-void to_mesh(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet, PointMesh connected,
-             Mesh& mesh, Context& context) {
-  std::vector<std::int32_t> vertex_of(points.size(), -1);
+/// What the vertices of a mesh know of their points.
+struct VertexValues {
+  std::vector<int> point_index, cad_face;
+  std::vector<Vec2> uv;
+  std::vector<double> deviation;
+
+  VertexValues(const CadModel& model, std::span<const Foot> feet, std::span<const std::uint32_t> points)
+      : point_index(points.size()), cad_face(points.size()), uv(points.size()), deviation(points.size()) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
+      for (std::size_t v = range.begin(); v < range.end(); ++v) {
+        const Foot& foot = feet[points[v]];
+        point_index[v] = static_cast<int>(points[v]);
+        cad_face[v] = model.faces[foot.face].index;
+        uv[v] = foot.uv;
+        deviation[v] = foot.deviation;
+      }
+    });
+  }
+  void copy(std::uint32_t v) {
+    point_index.push_back(point_index[v]);
+    cad_face.push_back(cad_face[v]);
+    uv.push_back(uv[v]);
+    deviation.push_back(deviation[v]);
+  }
+  void move_to(Mesh& mesh) {
+    move_to(mesh, property::point_index, point_index);
+    move_to(mesh, property::cad_face, cad_face);
+    move_to(mesh, property::uv, uv);
+    move_to(mesh, property::deviation, deviation);
+  }
+
+ private:
+  template <class T>
+  static void move_to(Mesh& mesh, const char* name, std::vector<T>& values) {
+    OpenMesh::VPropHandleT<T> handle;
+    mesh.add_property(handle, name);
+    mesh.property(handle).data_vector().swap(values);
+  }
+};
+
+/// Makes the mesh and uses `connected` up, and `feet` if they are not needed any more, since at this step memory is
+/// highest.
+void to_mesh(const CadModel& model, std::span<const Vec3> points, std::vector<Foot>& feet, bool last,
+             PointMesh connected, Mesh& mesh, Context& context) {
+  std::vector<std::uint8_t> used(points.size(), 0);
   for (const Triangle& t : connected.triangles)
-    for (std::uint32_t p : t) vertex_of[p] = 0;
-  std::vector<std::uint32_t> point_of;
-  point_of.reserve(points.size());
-  for (std::uint32_t p = 0; p < points.size(); ++p)
-    if (vertex_of[p] == 0) {
-      vertex_of[p] = static_cast<std::int32_t>(point_of.size());
-      point_of.push_back(p);
-    }
+    for (std::uint32_t p : t) used[p] = 1;
+  const std::vector<std::uint32_t> point_of = select_indices(points.size(), [&](std::uint32_t p) { return used[p] != 0; });
+  VertexValues values(model, feet, point_of);
+  if (last) std::vector<Foot>().swap(feet);
   std::vector<Vec3> positions;
   if (point_of.size() < points.size()) {
+    std::vector<std::uint32_t> vertex_of(points.size());
     positions.reserve(point_of.size());
-    for (const std::uint32_t p : point_of) positions.push_back(points[p]);
+    for (const std::uint32_t p : point_of) {
+      vertex_of[p] = static_cast<std::uint32_t>(positions.size());
+      positions.push_back(points[p]);
+    }
     for (Triangle& t : connected.triangles)
-      for (std::uint32_t& p : t) p = static_cast<std::uint32_t>(vertex_of[p]);
+      for (std::uint32_t& p : t) p = vertex_of[p];
     points = positions;
   }
-  vertex_of = {};
   for (const std::uint32_t copied : build_mesh_into(mesh, points, connected.triangles, connected.neighbors, context))
-    point_of.push_back(point_of[copied]);
-  connected = {};
-
-  OpenMesh::VPropHandleT<int> point_index, cad_face;
-  OpenMesh::VPropHandleT<Vec2> uv;
-  OpenMesh::VPropHandleT<double> deviation;
-  mesh.add_property(point_index, property::point_index);
-  mesh.add_property(cad_face, property::cad_face);
-  mesh.add_property(uv, property::uv);
-  mesh.add_property(deviation, property::deviation);
-  for (std::size_t v = 0; v < mesh.n_vertices(); ++v) {
-    const VertexHandle handle(static_cast<int>(v));
-    const std::uint32_t point = point_of[v];
-    const Foot& foot = feet[point];
-    mesh.property(point_index, handle) = static_cast<int>(point);
-    mesh.property(cad_face, handle) = model.faces[foot.face].index;
-    mesh.property(uv, handle) = foot.uv;
-    mesh.property(deviation, handle) = foot.deviation;
-  }
+    values.copy(copied);
+  values.move_to(mesh);
 }
 
 void describe_coverage(const CadModel& model, std::span<const Foot> feet, TriangulateResult& result) {
@@ -173,12 +198,15 @@ void finish(Candidate& candidate, const Measured& measured, const SurfaceTopolog
   const Bridges bridges =
       lessen_bridges(measured.points, measured.feet, measured.registration, tolerance, candidate.mesh, context);
   const std::size_t crossings = untangle(measured.points, measured.feet, candidate.mesh, context).size();
-  candidate.checks = check_triangulation(measured.points, measured.feet, candidate.mesh);
+  SurfaceTopology found;
+  tbb::parallel_invoke(
+      [&] { found = topology(candidate.mesh.triangles, candidate.mesh.neighbors); },
+      [&] { candidate.checks = check_triangulation(measured.points, measured.feet, candidate.mesh); });
   candidate.checks.bridging = bridges.triangles;
   candidate.checks.bridging_share = bridges.share();
   candidate.checks.self_intersections = crossings;
   candidate.checks.model = model;
-  candidate.checks.mesh = topology(candidate.mesh.triangles, candidate.mesh.neighbors);
+  candidate.checks.mesh = found;
 }
 
 Candidate by_patches(const Measured& measured, bool keep_patches, Stopwatch& watch, Context& context) {
@@ -311,8 +339,9 @@ void triangulate_sorted(const CadModel& model, const Registration& registration,
   }
   watch.lap("unmeasured regions");
 
-  to_mesh(model, points, feet, std::move(best.mesh), result.mesh, context);
-  if (options.keep_patches) to_mesh(model, points, feet, std::move(best.patches), result.patches.emplace(), context);
+  to_mesh(model, points, feet, !options.keep_patches, std::move(best.mesh), result.mesh, context);
+  if (options.keep_patches)
+    to_mesh(model, points, feet, true, std::move(best.patches), result.patches.emplace(), context);
   note_checks(best, result);
   watch.lap("build mesh");
 }
@@ -326,10 +355,11 @@ void name_points_as_given(TriangulateResult& result, std::span<const std::uint32
   for (Mesh* mesh : {&result.mesh, result.patches ? &*result.patches : nullptr}) {
     OpenMesh::VPropHandleT<int> point_index;
     if (!mesh || !mesh->get_property_handle(point_index, property::point_index)) continue;
-    for (std::size_t v = 0; v < mesh->n_vertices(); ++v) {
-      int& index = mesh->property(point_index, VertexHandle(static_cast<int>(v)));
-      index = static_cast<int>(order[static_cast<std::size_t>(index)]);
-    }
+    auto& indices = mesh->property(point_index).data_vector();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, indices.size(), 4096), [&](const auto& range) {
+      for (std::size_t v = range.begin(); v < range.end(); ++v)
+        indices[v] = static_cast<int>(order[static_cast<std::size_t>(indices[v])]);
+    });
   }
 }
 

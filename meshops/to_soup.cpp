@@ -1,5 +1,8 @@
 #include "meshops/to_soup.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <optional>
 #include <span>
 #include <string>
@@ -14,12 +17,18 @@ using Indices = std::span<const std::uint32_t>;
 constexpr const char* normals_name = "v:normals";
 constexpr const char* colors_name = "v:colors";
 
+template <class Visit>
+void for_all(std::size_t n, const Visit& visit) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i);
+  });
+}
+
 /// One number per element that stays, if `property` holds numbers.
 std::optional<std::vector<double>> numbers(const OpenMesh::BaseProperty& property, Indices elements) {
   const auto gather = [&](const auto& typed) {
-    std::vector<double> values;
-    values.reserve(elements.size());
-    for (const std::uint32_t i : elements) values.push_back(static_cast<double>(typed[static_cast<int>(i)]));
+    std::vector<double> values(elements.size());
+    for_all(elements.size(), [&](std::size_t k) { values[k] = static_cast<double>(typed[static_cast<int>(elements[k])]); });
     return values;
   };
   if (const auto* p = dynamic_cast<const PropertyT<double>*>(&property)) return gather(*p);
@@ -53,12 +62,13 @@ void gather_vertex_property(const OpenMesh::BaseProperty& property, Indices vert
   } else if (name == property::uv) {
     if (const auto* uv = dynamic_cast<const PropertyT<Vec2>*>(&property)) {
       std::vector<double>&u = soup.vertex_scalars["u"], &v = soup.vertex_scalars["v"];
-      u.reserve(vertices.size());
-      v.reserve(vertices.size());
-      for (const std::uint32_t i : vertices) {
-        u.push_back((*uv)[static_cast<int>(i)][0]);
-        v.push_back((*uv)[static_cast<int>(i)][1]);
-      }
+      u.resize(vertices.size());
+      v.resize(vertices.size());
+      for_all(vertices.size(), [&](std::size_t k) {
+        const Vec2& place = (*uv)[static_cast<int>(vertices[k])];
+        u[k] = place[0];
+        v[k] = place[1];
+      });
     }
   } else if (name.starts_with("v:")) {
     if (auto values = numbers(property, vertices)) soup.vertex_scalars[name.substr(2)] = std::move(*values);
@@ -73,25 +83,24 @@ Soup to_soup(const MeshView& view) {
   Soup soup;
   std::vector<std::uint32_t> vertices, faces, number(mesh.n_vertices());
   vertices.reserve(mesh.n_vertices());
-  soup.points.reserve(mesh.n_vertices());
   for (std::uint32_t i = 0; i < mesh.n_vertices(); ++i) {
-    const VertexHandle v(static_cast<int>(i));
-    if (vertex_status && mesh.status(v).deleted()) continue;
+    if (vertex_status && mesh.status(VertexHandle(static_cast<int>(i))).deleted()) continue;
     number[i] = static_cast<std::uint32_t>(vertices.size());
     vertices.push_back(i);
-    soup.points.push_back(view.point(v));
   }
   faces.reserve(mesh.n_faces());
-  soup.triangles.reserve(mesh.n_faces());
-  for (std::uint32_t i = 0; i < mesh.n_faces(); ++i) {
-    const FaceHandle f(static_cast<int>(i));
-    if (face_status && mesh.status(f).deleted()) continue;
-    faces.push_back(i);
+  for (std::uint32_t i = 0; i < mesh.n_faces(); ++i)
+    if (!face_status || !mesh.status(FaceHandle(static_cast<int>(i))).deleted()) faces.push_back(i);
+  soup.points.resize(vertices.size());
+  for_all(vertices.size(),
+          [&](std::size_t k) { soup.points[k] = view.point(VertexHandle(static_cast<int>(vertices[k]))); });
+  soup.triangles.resize(faces.size());
+  for_all(faces.size(), [&](std::size_t k) {
     // `build_mesh` stores the side from a triangle's first corner, so triples come back as they were.
-    const HalfedgeHandle a = mesh.halfedge_handle(f), b = mesh.next_halfedge_handle(a);
+    const HalfedgeHandle a = mesh.halfedge_handle(FaceHandle(static_cast<int>(faces[k]))), b = mesh.next_halfedge_handle(a);
     const auto corner = [&](HalfedgeHandle h) { return number[mesh.from_vertex_handle(h).idx()]; };
-    soup.triangles.push_back({corner(a), corner(b), corner(mesh.next_halfedge_handle(b))});
-  }
+    soup.triangles[k] = {corner(a), corner(b), corner(mesh.next_halfedge_handle(b))};
+  });
   for (auto it = mesh.vprops_begin(); it != mesh.vprops_end(); ++it)
     if (*it) gather_vertex_property(**it, vertices, soup);
   for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it) {
