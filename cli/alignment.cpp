@@ -84,6 +84,7 @@ Json to_json(const AlignResult& r) {
             {"points_used", r.points_used},
             {"fit", to_json(r.quality, r.coverage)},
             {"information", r.information.eigenvalues},
+            {"standard_deviation", r.information.standard_deviation},
             {"unit_factor", r.unit_factor}};
   json["not_fixed"] = Json::array();
   for (const Freedom& f : r.information.freedoms)
@@ -92,6 +93,9 @@ Json to_json(const AlignResult& r) {
                                  {"place", to_json(f.place)},
                                  {"pitch", f.pitch},
                                  {"words", f.in_words()}});
+  json["badly_fixed"] = Json::array();
+  for (const auto& weak : r.information.weak)
+    json["badly_fixed"].push_back({{"words", weak.motion.in_words()}, {"standard_deviation", weak.standard_deviation}});
   json["alternatives"] = Json::array();
   for (const Alternative& a : r.alternatives)
     json["alternatives"].push_back(

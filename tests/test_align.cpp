@@ -258,3 +258,56 @@ TEST_CASE("align: a cancelled alignment stops") {
   };
   CHECK_THROWS_AS(align(bracket().model, bracket().registration, m.points, {}, {}, context), Cancelled);
 }
+
+TEST_CASE("align: centres of a probe's ball are fitted at its radius from the model") {
+  MeasurementOptions o;
+  o.points = 3000;
+  o.noise = 0.01;
+  VirtualMeasurement m = bracket().measured(o);
+  // Where the ball would not go into a corner of the bracket, other faces are nearer: not points of a probe.
+  const double radius = 1.5;
+  std::vector<Vec3> centres;
+  Context context;
+  for (std::size_t i = 0; i < m.points.size(); ++i) centres.push_back(m.points[i] + m.truth[i].normal * radius);
+  const std::vector<Foot> feet = bracket().registration.register_points(centres, context);
+  std::vector<Vec3> moved;
+  const Pose away = motion({0.5, 1.5, -1}, {30, -40, 20}, {0, 0, 0});
+  std::vector<Vec3> kept;
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    if (feet[i].deviation < radius - 0.1) continue;
+    kept.push_back(centres[i]);
+    moved.push_back(away(centres[i]));
+  }
+  AlignOptions options;
+  options.probe_radius = radius;
+  const AlignResult r = bracket().aligned(moved, options);
+  double sum = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) sum += (r.pose(moved[i]) - kept[i]).sqrnorm();
+  CHECK(r.status == AlignStatus::good);
+  CHECK(std::sqrt(sum / static_cast<double>(kept.size())) < 0.2 * o.noise);
+  CHECK(r.quality.rms < 1.2 * o.noise);
+  // As they are they lie so far off the model, and stay.
+  CHECK(bracket().aligned(kept, options).kept);
+}
+
+TEST_CASE("FitTarget: normals tell the side where they agree on it, and do not count where they do not") {
+  const FitTarget target{bracket().registration, bracket().model.diagonal, 0};
+  MeasurementOptions o;
+  o.points = 500;
+  const VirtualMeasurement m = bracket().measured(o);
+  std::vector<Vec3> normals;
+  for (const TruePoint& t : m.truth) normals.push_back(t.normal);
+  const auto opposed = [&] {
+    Context context;
+    std::size_t count = 0;
+    for (const PointResidual& r : target.residuals(m.points, normals, Pose(), context)) count += r.opposed;
+    return count;
+  };
+  CHECK(opposed() == 0);
+  for (std::size_t i = 0; i < 50; ++i) normals[i] *= -1.0;
+  CHECK(opposed() == 50);
+  for (Vec3& n : normals) n *= -1.0;
+  CHECK(opposed() == 50);
+  for (std::size_t i = 0; i < 250; ++i) normals[2 * i] *= -1.0;
+  CHECK(opposed() == 0);
+}

@@ -24,6 +24,7 @@ constexpr double in_place_distance = 5e-3;   // of the diagonal
 constexpr double in_place_ratio = 3;         // of sigma, as they are over refined
 constexpr double in_place_move = 0.01;       // of the diagonal
 constexpr std::size_t in_place_points = 50;  // fewer may lie on a model by chance
+constexpr double weak_motion = 1e-4;         // of the diagonal, standard deviation
 constexpr double no_gain = 0.05;             // of the mean squared distance
 constexpr double chance_gain = 35;           // chi-squared of six degrees of freedom, 1e-5: 33.1
 constexpr double no_move = 1e-6;             // of the diagonal
@@ -144,16 +145,17 @@ class Alignment {
     if (!same)
       for (const PointResidual& r : residuals) at.push_back(r.at);
     result_.quality = fit_quality(residuals, same ? neighbours_ : neighbourhood(at, context_), diagonal());
-    result_.information = information_of(equations_of(residuals));
+    result_.information = information_of(equations_of(residuals), result_.quality.sigma, weak_motion * diagonal());
     result_.points_used = used;
   }
 
+  // Without the points on edges: these fix a motion from one side only, and that by noise.
   NormalEquations equations_of(std::span<const PointResidual> residuals) const {
     const double sigma = std::max(robust_sigma(residuals, diagonal()), 1e-7 * diagonal());
     std::vector<double> weights;
     weights.reserve(residuals.size());
     for (const PointResidual& r : residuals)
-      weights.push_back(r.face < 0 || r.opposed ? 0 : tukey_weight(r.value, sigma));
+      weights.push_back(r.face < 0 || r.opposed || r.on_edge ? 0 : tukey_weight(r.value, sigma));
     return NormalEquations(residuals, weights);
   }
 

@@ -29,7 +29,8 @@ struct Candidate {
   std::vector<PointResidual> residuals;
 };
 
-/// Refines coarse poses on the exact model, drops those clearly worse, and compares the others on the same points.
+/// Refines coarse poses on the exact model, drops those clearly worse, and compares the others on the same points. The
+/// best is tried again from poses beside it, along the motions that the points fix least.
 ///
 /// @param starts  poses that stay to the end, whatever their fit
 /// @return best first, no two of them the same pose; the loss of each point is (value / 3 sigma)^2, at most 1, with the

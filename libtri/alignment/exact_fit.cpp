@@ -99,6 +99,7 @@ std::vector<PointResidual> FitTarget::residuals(std::span<const Vec3> points, st
     r.face = foot.face;
     if (foot.face < 0) continue;
     r.foot = foot.point;
+    r.on_edge = foot.edge >= 0;
     r.value = foot.deviation;
     const Vec3 normal(foot.normal[0], foot.normal[1], foot.normal[2]);
     r.direction = std::abs(foot.deviation) > on_surface * diagonal ? (posed[i] - foot.point) / foot.deviation : normal;

@@ -17,6 +17,7 @@ struct PointResidual {
   Vec3 direction{0, 0, 0};  ///< unit, the gradient of `value`: outward
   double value = 0;         ///< mm, signed distance to the model, or to its offset by the probe's radius
   std::int32_t face = -1;   ///< 0-based position in CadModel::faces; -1 if the point is not finite
+  bool on_edge = false;     ///< the foot lies on a trimming curve
   bool opposed = false;     ///< the point's normal faces away from the foot's
 };
 

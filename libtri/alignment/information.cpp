@@ -21,6 +21,22 @@ Eigen::Vector3d with_sign(Eigen::Vector3d axis) {
   return axis[largest] < 0 ? Eigen::Vector3d(-axis) : axis;
 }
 
+// The motion of a vector of the normal equations: turn times radius, shift of the centre.
+Freedom freedom_of(const Vector6& x, const NormalEquations& equations) {
+  Freedom freedom;
+  if (x.head<3>().norm() < no_turn * x.norm()) {
+    freedom.axis = with_sign(x.tail<3>().normalized());
+    return freedom;
+  }
+  const Eigen::Vector3d turn = x.head<3>() / equations.radius, shift = x.tail<3>();
+  freedom.axis = with_sign(turn.normalized());
+  freedom.place = equations.centre + turn.cross(shift) / turn.squaredNorm();
+  const double a_radian = turn.dot(shift) / turn.squaredNorm();
+  freedom.kind = std::abs(a_radian) > no_pitch * equations.radius ? Freedom::Kind::screw : Freedom::Kind::turn;
+  freedom.pitch = 2 * std::numbers::pi * a_radian;
+  return freedom;
+}
+
 }  // namespace
 
 NormalEquations::NormalEquations(std::span<const PointResidual> residuals, std::span<const double> weights) {
@@ -72,7 +88,7 @@ std::string Freedom::in_words() const {
   return "";
 }
 
-PoseInformation information_of(const NormalEquations& equations) {
+PoseInformation information_of(const NormalEquations& equations, double sigma, double limit) {
   PoseInformation result;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(equations.matrix);
   int free = 0;
@@ -80,6 +96,13 @@ PoseInformation information_of(const NormalEquations& equations) {
     result.eigenvalues[static_cast<std::size_t>(k)] = std::max(0.0, solver.eigenvalues()[k]);
     if (solver.eigenvalues()[k] < PoseInformation::unfixed) free = k + 1;
   }
+  double variance = 0;
+  for (int k = free; k < 6; ++k) {
+    const double deviation = sigma / std::sqrt(equations.weight * solver.eigenvalues()[k]);
+    variance += deviation * deviation;
+    if (deviation > limit) result.weak.push_back({freedom_of(solver.eigenvectors().col(k), equations), deviation});
+  }
+  result.standard_deviation = std::sqrt(variance);
   if (free == 0) return result;
   // Sort the free motions into slides and turns: combinations whose turn vanishes are slides, the rest is made
   // orthogonal to them.
@@ -108,13 +131,9 @@ PoseInformation information_of(const NormalEquations& equations) {
     const Eigen::Vector3d turn = t.head<3>() / equations.radius;
     Eigen::Vector3d shift = t.tail<3>();
     for (const Eigen::Vector3d& s : slides) shift -= s * s.dot(shift);
-    Freedom freedom;
-    freedom.axis = with_sign(turn.normalized());
-    freedom.place = equations.centre + turn.cross(shift) / turn.squaredNorm();
-    const double a_radian = turn.dot(shift) / turn.squaredNorm();
-    freedom.kind = std::abs(a_radian) > no_pitch * equations.radius ? Freedom::Kind::screw : Freedom::Kind::turn;
-    freedom.pitch = 2 * std::numbers::pi * a_radian;
-    found.push_back(freedom);
+    Vector6 across = t;
+    across.tail<3>() = shift;
+    found.push_back(freedom_of(across, equations));
     // The one point that all the turns leave where it is: turn x (place - centre) = -shift.
     Eigen::Matrix3d cross;
     cross << 0, -turn[2], turn[1], turn[2], 0, -turn[0], -turn[1], turn[0], 0;

@@ -46,11 +46,21 @@ struct PoseInformation {
   /// Ascending eigenvalues of the normal equations: mean squared change of the distances for a unit motion. Below
   /// `unfixed` the points do not fix that motion.
   std::array<double, 6> eigenvalues{};
-  std::vector<Freedom> freedoms;
   static constexpr double unfixed = 1e-5;
+  /// Motions that the points do not fix.
+  std::vector<Freedom> freedoms;
+  /// A motion that they fix badly.
+  struct Weak {
+    Freedom motion;
+    double standard_deviation = 0;  ///< mm, rms over the points
+  };
+  std::vector<Weak> weak;
+  double standard_deviation = 0;  ///< mm, rms over the points of what noise does to the pose, without the free motions
 };
 
-PoseInformation information_of(const NormalEquations& equations);
+/// @param sigma  mm, of the noise, which is taken to be independent from point to point
+/// @param limit  mm: motions with a larger standard deviation are weak
+PoseInformation information_of(const NormalEquations& equations, double sigma, double limit);
 
 /// True if `motion` is made up of `freedoms` only, to `tolerance` mm over points up to `radius` mm from `centre`.
 bool is_free(const Pose& motion, std::span<const Freedom> freedoms, const Vec3& centre, double radius,

@@ -48,6 +48,9 @@ void judge(AlignResult& result, std::size_t points, double diagonal) {
         "deformed, or the pose is wrong",
         percent(q.coherent_share)));
   for (const Freedom& f : result.information.freedoms) because("not fixed by the points: the part " + f.in_words());
+  for (const auto& weak : result.information.weak)
+    because(fmt::format("fixed only to a standard deviation of {:.3g} mm: the part {}", weak.standard_deviation,
+                        weak.motion.in_words()));
   if (!result.alternatives.empty()) {
     std::string text =
         fmt::format("{} other pose{} fit{} as well: the part ", result.alternatives.size(),
