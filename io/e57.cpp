@@ -206,6 +206,9 @@ class ScanParser {
     const auto note = [this](const std::string& text) { info_.notes.push_back(fmt::format("{}: {}", label_, text)); };
     if (skipped > 0)
       note(fmt::format("{} of {} records have no valid coordinates and were skipped", skipped, scan_.records));
+    if (roles_.intensity != none && scan_.intensity_limits)
+      note(fmt::format("the scanner's intensity goes from {} to {}", scan_.intensity_limits->low,
+                       scan_.intensity_limits->high));
     if (!ignored_.empty()) note("fields ignored: " + ignored_);
     if (unknown_normals_ > 0) note(fmt::format("{} points have no normal: it is given as 0 0 0", unknown_normals_));
     if (colors_beyond_ > 0)

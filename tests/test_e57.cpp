@@ -247,6 +247,9 @@ TEST_CASE("e57: colours are brought to 0 to 255 by the limits of the file") {
 TEST_CASE("e57: further fields are carried under their names, and what cannot be is named") {
   E57TestScan scan{xyz(one_to_three, one_to_three, one_to_three)};
   scan.fields.push_back(E57TestField::integers("rowIndex", 0, 100, {7, 8, 9}));
+  scan.fields.push_back(E57TestField::floats("intensity", {1, 2, 3}));
+  scan.more_xml =
+      "<intensityLimits><intensityMinimum type=\"Float\"/><intensityMaximum>4095</intensityMaximum></intensityLimits>";
   scan.fields.push_back(E57TestField::doubles("timeStamp", {0.5, 0.25, 0.125}));
   scan.fields.push_back({"remark", "type=\"String\"", 8, {65, 66, 67}});
   scan.fields.push_back(E57TestField::integers("columnIndex", -3, 4, {-3, 0, 4}));
@@ -256,6 +259,8 @@ TEST_CASE("e57: further fields are carried under their names, and what cannot be
   CHECK(set.scalars.at("timeStamp") == std::vector<double>{0.5, 0.25, 0.125});
   CHECK(set.scalars.at("columnIndex") == std::vector<double>{-3, 0, 4});
   CHECK(set.scalars.size() == 3);
+  CHECK(set.intensity == std::vector<double>{1, 2, 3});
+  CHECK(has_note(info.notes, "intensity goes from 0 to 4095"));
   CHECK(has_note(info.notes, "fields ignored: remark"));
 }
 
