@@ -122,6 +122,7 @@ int main(int argc, char** argv) {
   add_model_command(app, program);
 #endif
   add_info_command(app, program);
+  add_check_command(app, program);
   add_run_command(app, program);
   add_ops_command(app, program);
   add_render_command(app, program);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <vector>
 
 namespace tri {
@@ -10,7 +9,10 @@ namespace tri {
 /// Union-find over 0..n-1; the representative of a set is its smallest member.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  explicit DisjointSets(std::size_t n) {
+    parent_.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) parent_.push_back(i);
+  }
   std::size_t find(std::size_t a) {
     while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
     return a;

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "meshops/disjoint_sets.hpp"
+#include "meshops/soup_edit.hpp"
 
 namespace tri {
 namespace {
@@ -21,7 +24,7 @@ std::size_t next_corner(std::size_t corner) { return corner % 3 == 2 ? corner - 
 
 class Summary {
  public:
-  explicit Summary(const Soup& soup) : soup_(soup), fans_(soup.triangles.size() * 3), parts_(soup.triangles.size()) {}
+  Summary(const Soup& soup, MeshPlaces* places) : soup_(soup), places_(places), fans_(soup.triangles.size() * 3), parts_(soup.triangles.size()) {}
 
   MeshSummary make() {
     s_.vertices = soup_.points.size();
@@ -62,12 +65,17 @@ class Summary {
       const double twice = ((b - a) % (c - a)).norm();
       s_.area += twice / 2;
       volume_ += (a | (b % c)) / 6;
-      if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+      if (repeats_vertex(t))
         ++s_.repeated_corners;
       else if (twice == 0)
         ++s_.zero_area;
     }
     s_.unused_vertices = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), false));
+    if (!places_) return;
+    for (std::uint32_t v = 0; v < used.size(); ++v)
+      if (!used[v]) places_->unused_vertices.push_back(v);
+    for (std::uint32_t t = 0; t < soup_.triangles.size(); ++t)
+      if (repeats_vertex(soup_.triangles[t])) places_->repeated_corners.push_back(t);
   }
 
   void walk_edges() {
@@ -75,7 +83,7 @@ class Summary {
     sides.reserve(soup_.triangles.size() * 3);
     for (std::size_t corner = 0; corner < soup_.triangles.size() * 3; ++corner) {
       const std::uint64_t a = vertex(corner), b = vertex(next_corner(corner));
-      if (a != b) sides.push_back({std::min(a, b) << 32 | std::max(a, b), corner});
+      if (!in_degenerate(corner)) sides.push_back({std::min(a, b) << 32 | std::max(a, b), corner});
     }
     tbb::parallel_sort(sides.begin(), sides.end());
     double sum = 0;
@@ -92,12 +100,17 @@ class Summary {
       if (end - begin == 1)
         boundary_.push_back(sides[begin].corner);
       else if (end - begin > 2)
-        ++s_.nonmanifold_edges;
+        note_edge(s_.nonmanifold_edges, sides[begin].key, places_ ? &places_->nonmanifold_edges : nullptr);
       else if (vertex(sides[begin].corner) == vertex(sides[begin + 1].corner))
-        ++s_.misoriented_edges;
+        note_edge(s_.misoriented_edges, sides[begin].key, places_ ? &places_->misoriented_edges : nullptr);
     }
     s_.boundary_edges = boundary_.size();
     if (s_.edges > 0) s_.mean_edge = sum / static_cast<double>(s_.edges);
+  }
+
+  static void note_edge(std::uint64_t& count, std::uint64_t key, std::vector<std::array<std::uint32_t, 2>>* places) {
+    ++count;
+    if (places) places->push_back({static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)});
   }
 
   void join_over_edge(std::size_t corner, std::size_t other) {
@@ -113,6 +126,8 @@ class Summary {
       if (!in_degenerate(corner) && fans_.find(corner) == corner) ++fans_at[vertex(corner)];
     s_.nonmanifold_vertices =
         static_cast<std::uint64_t>(std::count_if(fans_at.begin(), fans_at.end(), [](std::uint32_t n) { return n > 1; }));
+    for (std::uint32_t v = 0; places_ && v < fans_at.size(); ++v)
+      if (fans_at[v] > 1) places_->nonmanifold_vertices.push_back(v);
     // Every boundary edge ties two fans together; the chains of fans are the loops.
     DisjointSets chains(soup_.triangles.size() * 3);
     for (const std::size_t corner : boundary_) chains.join(fans_.find(corner), fans_.find(next_corner(corner)));
@@ -120,26 +135,66 @@ class Summary {
     for (const std::size_t corner : boundary_) roots.push_back(chains.find(fans_.find(corner)));
     std::sort(roots.begin(), roots.end());
     s_.boundary_loops = static_cast<std::uint64_t>(std::unique(roots.begin(), roots.end()) - roots.begin());
+    if (places_) follow_loops();
   }
 
+  /// From fan to fan: two boundary edges meet in each that has any, unless triangles around it are not manifold.
+  void follow_loops() {
+    std::map<std::size_t, std::vector<std::size_t>> at_fan;  // places in `boundary_`
+    for (std::size_t i = 0; i < boundary_.size(); ++i)
+      for (const std::size_t corner : {boundary_[i], next_corner(boundary_[i])}) at_fan[fans_.find(corner)].push_back(i);
+    std::vector<char> seen(boundary_.size(), 0);
+    for (std::size_t start = 0; start < boundary_.size(); ++start) {
+      if (seen[start]) continue;
+      std::vector<std::uint32_t>& loop = places_->boundary_loops.emplace_back();
+      for (std::size_t i = start, corner = boundary_[start]; !seen[i];) {
+        seen[i] = 1;
+        loop.push_back(vertex(corner));
+        corner = corner == boundary_[i] ? next_corner(corner) : boundary_[i];  // the other end
+        const std::size_t fan = fans_.find(corner);
+        for (const std::size_t next : at_fan.at(fan)) {
+          if (seen[next]) continue;
+          i = next;
+          corner = fans_.find(boundary_[next]) == fan ? boundary_[next] : next_corner(boundary_[next]);
+          break;
+        }
+      }
+    }
+  }
   bool in_degenerate(std::size_t corner) const {
-    const Triangle& t = soup_.triangles[corner / 3];
-    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+    return repeats_vertex(soup_.triangles[corner / 3]);
   }
 
   void count_parts() {
-    for (std::size_t t = 0; t < soup_.triangles.size(); ++t)
-      if (parts_.find(t) == t) ++s_.components;
+    std::vector<std::uint32_t> number(soup_.triangles.size(), none);
+    if (places_) places_->component_of_triangle.assign(soup_.triangles.size(), none);
+    for (std::size_t t = 0; t < soup_.triangles.size(); ++t) {
+      if (repeats_vertex(soup_.triangles[t])) continue;
+      if (parts_.find(t) == t) number[t] = static_cast<std::uint32_t>(s_.components++);
+      if (places_) places_->component_of_triangle[t] = number[parts_.find(t)];
+    }
   }
 
   void count_duplicates() {
-    std::vector<Triangle> sorted = soup_.triangles;
-    for (Triangle& t : sorted) std::sort(t.begin(), t.end());
+    using Keyed = std::pair<Triangle, std::uint32_t>;
+    std::vector<Keyed> sorted;
+    sorted.reserve(soup_.triangles.size());
+    for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+      sorted.emplace_back(soup_.triangles[i], i);
+      std::sort(sorted.back().first.begin(), sorted.back().first.end());
+    }
     tbb::parallel_sort(sorted.begin(), sorted.end());
-    for (std::size_t i = 1; i < sorted.size(); ++i) s_.duplicate_triangles += sorted[i] == sorted[i - 1];
+    for (std::size_t i = 1; i < sorted.size(); ++i) {
+      if (sorted[i].first != sorted[i - 1].first) continue;
+      ++s_.duplicate_triangles;
+      if (places_) places_->duplicate_triangles.push_back(sorted[i].second);
+    }
+    if (places_) std::sort(places_->duplicate_triangles.begin(), places_->duplicate_triangles.end());
   }
 
+  static constexpr std::uint32_t none = 0xffffffff;
   const Soup& soup_;
+  MeshPlaces* places_;
   DisjointSets fans_;   // corners of one vertex whose triangles are connected over edges at it
   DisjointSets parts_;  // triangles
   std::vector<std::size_t> boundary_;
@@ -149,6 +204,9 @@ class Summary {
 
 }  // namespace
 
-MeshSummary summarize(const Soup& soup) { return Summary(soup).make(); }
+MeshSummary summarize(const Soup& soup, MeshPlaces* places) {
+  if (places) *places = {};
+  return Summary(soup, places).make();
+}
 
 }  // namespace tri

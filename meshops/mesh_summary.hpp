@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "meshops/soup.hpp"
 
@@ -11,7 +13,7 @@ struct MeshSummary {
   std::uint64_t vertices = 0;
   std::uint64_t unused_vertices = 0;  ///< in no triangle
   std::uint64_t triangles = 0;
-  std::uint64_t edges = 0;            ///< distinct pairs of vertices; the two equal corners of a triangle make none
+  std::uint64_t edges = 0;            ///< distinct pairs of vertices; a triangle that names a vertex twice has none
 
   std::uint64_t boundary_edges = 0;      ///< of one triangle
   std::uint64_t nonmanifold_edges = 0;   ///< of three triangles or more
@@ -21,7 +23,7 @@ struct MeshSummary {
   std::uint64_t zero_area = 0;           ///< further triangles whose area is exactly 0 in double arithmetic
   std::uint64_t duplicate_triangles = 0;  ///< triangles with the same three vertices as an earlier one
 
-  std::uint64_t components = 0;      ///< sets of triangles connected over edges
+  std::uint64_t components = 0;      ///< sets of triangles connected over edges; triangles that name a vertex twice are in none
   std::uint64_t boundary_loops = 0;  ///< closed chains of boundary edges, each turning around one fan at a time
   std::int64_t euler = 0;            ///< used vertices - edges + triangles
 
@@ -35,7 +37,22 @@ struct MeshSummary {
   double shortest_edge = 0, mean_edge = 0, longest_edge = 0;
 };
 
+/// Where the defects are that a `MeshSummary` counts.
+struct MeshPlaces {
+  std::vector<std::uint32_t> unused_vertices;
+  std::vector<std::uint32_t> repeated_corners;                     ///< triangles
+  std::vector<std::uint32_t> duplicate_triangles;                  ///< the later ones
+  std::vector<std::array<std::uint32_t, 2>> nonmanifold_edges;     ///< by their ends, the lower first
+  std::vector<std::array<std::uint32_t, 2>> misoriented_edges;     ///< the same
+  std::vector<std::uint32_t> nonmanifold_vertices;
+  /// Vertices along each boundary loop, in the direction of the triangle at its first edge. A loop that cannot be
+  /// followed in one piece, because of non-manifold edges on its way, is there in pieces.
+  std::vector<std::vector<std::uint32_t>> boundary_loops;
+  std::vector<std::uint32_t> component_of_triangle;  ///< numbered by first triangle; 0xffffffff for repeated corners
+};
+
 /// Counts what is in `soup`; any topology is allowed. O(N log N) time. The result does not depend on the number of threads.
-MeshSummary summarize(const Soup& soup);
+/// @param places if given, receives where the defects are
+MeshSummary summarize(const Soup& soup, MeshPlaces* places = nullptr);
 
 }  // namespace tri

@@ -14,74 +14,18 @@
 
 #include "meshops/key_sort.hpp"
 #include "meshops/overlap_tree.hpp"
+#include "meshops/predicates.hpp"
+#include "meshops/triangle_pair.hpp"
 
 namespace tri {
 namespace {
 
 using Box = OverlapTree::Box;
 
-
-int sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
-
-template <class T>
-T determinant(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const T ax = T(a[0]) - T(d[0]), ay = T(a[1]) - T(d[1]), az = T(a[2]) - T(d[2]);
-  const T bx = T(b[0]) - T(d[0]), by = T(b[1]) - T(d[1]), bz = T(b[2]) - T(d[2]);
-  const T cx = T(c[0]) - T(d[0]), cy = T(c[1]) - T(d[1]), cz = T(c[2]) - T(d[2]);
-  return ax * (by * cz - bz * cy) + bx * (cy * az - cz * ay) + cx * (ay * bz - az * by);
-}
-
-/// Sign of the volume of tetrahedron (a, b, c, d).
-int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const double det = determinant<double>(a, b, c, d);
-  double largest[3] = {0, 0, 0};
-  for (int k = 0; k < 3; ++k) largest[k] = std::max({std::abs(a[k] - d[k]), std::abs(b[k] - d[k]), std::abs(c[k] - d[k])});
-  if (largest[0] == 0 || largest[1] == 0 || largest[2] == 0) return 0;  // in one plane across an axis
-  // Shewchuk's static bound for the permanent: 7 eps times six products, each below the product of the extents.
-  const double bound = 6 * 8e-16 * largest[0] * largest[1] * largest[2];
-  if (det > bound || det < -bound) return sign(det);
-  const __float128 wide = determinant<__float128>(a, b, c, d);
-  return wide > 0 ? 1 : wide < 0 ? -1 : 0;
-}
-
-int orientation2(const Vec3& a, const Vec3& b, const Vec3& c, int x, int y) {
-  const double l = (b[x] - a[x]) * (c[y] - a[y]), r = (b[y] - a[y]) * (c[x] - a[x]);
-  const double det = l - r;
-  if (std::abs(det) > 4e-15 * (std::abs(l) + std::abs(r))) return sign(det);
-  using F = __float128;
-  const F wide = (F(b[x]) - F(a[x])) * (F(c[y]) - F(a[y])) - (F(b[y]) - F(a[y])) * (F(c[x]) - F(a[x]));
-  return wide > 0 ? 1 : wide < 0 ? -1 : 0;
-}
-
-/// Whether segment (p, q), which does not lie in the plane of `t` with both ends on one side, meets triangle `t`.
-bool segment_meets(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) {
-  int positive = 0, negative = 0;
-  for (int k = 0; k < 3; ++k) {
-    const int s = orientation(p, q, t[k], t[(k + 1) % 3]);
-    positive += s > 0;
-    negative += s < 0;
-  }
-  return positive == 0 || negative == 0;
-}
-
-bool coplanar_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
-  const Vec3 n = (a[1] - a[0]) % (a[2] - a[0]);
-  int drop = 0;
-  for (int k = 1; k < 3; ++k)
-    if (std::abs(n[k]) > std::abs(n[drop])) drop = k;
-  const int x = (drop + 1) % 3, y = (drop + 2) % 3;
-  // Separating axis: two convex polygons are disjoint exactly if a side of one has the other strictly outside.
-  for (const auto* pair : {&a, &b}) {
-    const auto& first = *pair;
-    const auto& second = pair == &a ? b : a;
-    const int turn = orientation2(first[0], first[1], first[2], x, y);
-    for (int k = 0; k < 3; ++k) {
-      bool outside = true;
-      for (const Vec3& p : second) outside &= orientation2(first[k], first[(k + 1) % 3], p, x, y) * turn < 0;
-      if (outside) return false;
-    }
-  }
-  return true;
+bool has_no_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a;
+  // Far above the rounding of the product the corners are not on one line.
+  return !((ab % ac).sqrnorm() > 1e-24 * ab.sqrnorm() * ac.sqrnorm()) && collinear_exact(a, b, c);
 }
 
 /// Spreads the lowest ten bits of `x` to every third bit.
@@ -115,7 +59,7 @@ class Blocks {
         std::uint32_t key = 0;
         for (int k = 0; k < 3; ++k) key |= spread(on_grid(a, k) >> 6) << k;
         // Triangles without area come last and are left out.
-        if (!(((b - a) % (c - a)).sqrnorm() > 0)) key = no_area;
+        if (has_no_area(a, b, c)) key = no_area;
         order[t] = {key, t};
       }
     });
@@ -221,34 +165,26 @@ class Blocks {
   std::optional<OverlapTree> tree_;
 };
 
-}  // namespace
-
-bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
-  int sa[3], sb[3];
-  int above = 0, below = 0;
-  for (int k = 0; k < 3; ++k) {
-    sb[k] = orientation(a[0], a[1], a[2], b[k]);
-    above += sb[k] > 0, below += sb[k] < 0;
-  }
-  if (above == 3 || below == 3) return false;
-  if (above == 0 && below == 0) return coplanar_intersect(a, b);
-  above = below = 0;
-  for (int k = 0; k < 3; ++k) {
-    sa[k] = orientation(b[0], b[1], b[2], a[k]);
-    above += sa[k] > 0, below += sa[k] < 0;
-  }
-  if (above == 3 || below == 3) return false;
-  // Each crosses the other's plane: they meet exactly if a side of one meets the other.
-  for (int k = 0; k < 3; ++k) {
-    const int m = (k + 1) % 3;
-    if (sb[k] * sb[m] <= 0 && !(sb[k] == 0 && sb[m] == 0) && segment_meets(b[k], b[m], a)) return true;
-    if (sa[k] * sa[m] <= 0 && !(sa[k] == 0 && sa[m] == 0) && segment_meets(a[k], a[m], b)) return true;
-  }
-  return false;
+/// The same question for triangles with corners in common.
+bool neighbors_intersect(std::span<const Vec3> points, const Triangle& t, const Triangle& u) {
+  int shared = 0;
+  std::array<std::array<int, 2>, 3> same{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (t[static_cast<std::size_t>(i)] == u[static_cast<std::size_t>(j)]) same[static_cast<std::size_t>(shared++)] = {i, j};
+  const auto corner = [&](const Triangle& triangle, int k) -> const Vec3& { return points[triangle[static_cast<std::size_t>(k % 3)]]; };
+  if (shared == 3) return true;
+  if (shared == 2)
+    return wings_overlap(corner(t, same[0][0]), corner(t, same[1][0]), corner(t, 3 - same[0][0] - same[1][0]),
+                         corner(u, 3 - same[0][1] - same[1][1]));
+  const auto [i, j] = same[0];
+  return fans_intersect({corner(t, i), corner(t, i + 1), corner(t, i + 2)}, {corner(u, j), corner(u, j + 1), corner(u, j + 2)});
 }
 
+}  // namespace
+
 std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec3> points, std::span<const Triangle> triangles,
-                                                             const Context& context) {
+                                                             const Context& context, Neighbors neighbors) {
   using Pairs = std::vector<std::array<std::uint32_t, 2>>;
   tbb::enumerable_thread_specific<Pairs> found;
   tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
@@ -262,8 +198,9 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
         blocks.overlapping_pairs(b, [&](std::uint32_t t, const Triangle& q, std::uint32_t u, const Triangle& r) {
           bool joined = false;  // without branches, since nobody can predict which corners are the same
           for (std::uint32_t v : q) joined |= (v == r[0]) | (v == r[1]) | (v == r[2]);
-          if (joined) return;
-          if (triangles_intersect({points[q[0]], points[q[1]], points[q[2]]}, {points[r[0]], points[r[1]], points[r[2]]}))
+          if (joined && neighbors == Neighbors::skip) return;
+          if (joined ? neighbors_intersect(points, q, r)
+                     : triangles_intersect({points[q[0]], points[q[1]], points[q[2]]}, {points[r[0]], points[r[1]], points[r[2]]}))
             mine.push_back({std::min(t, u), std::max(t, u)});
         });
     });

@@ -46,7 +46,7 @@ void check_refused(const Outcome& outcome, int exit_code) {
 }
 
 std::vector<std::string> commands() {
-  std::vector<std::string> names{"info", "run", "ops", "render"};
+  std::vector<std::string> names{"info", "check", "run", "ops", "render"};
 #ifdef TRI_WITH_CAD
   names.insert(names.end(), {"triangulate", "sample", "model"});
 #endif
@@ -192,6 +192,26 @@ TEST_CASE("tri info: tells topology and defects of a mesh") {
   CHECK(info["closed"] == false);
   CHECK(info["area"].get<double>() == doctest::Approx(24));
   CHECK(info["box_max"] == json({5, 5, 0}));
+}
+
+TEST_CASE("tri check: 1 and the places if anything is wrong, 0 if not") {
+  const TemporaryFolder folder;
+  folder.make("sheet.obj", sheet_with_hole());
+  const Outcome wrong = run_tri({"check", "sheet.obj", "--json"}, folder.path());
+  CHECK(wrong.exit_code == 1);
+  const json report = json::parse(wrong.out);
+  CHECK(report["verdict"] == "open surface");
+  CHECK(report["wrong"] == true);
+  CHECK(report["counts"]["boundary_loops"] == 2);
+  CHECK(report["places"]["boundary_loops"].size() == 2);
+  CHECK(report["defects"]["boundary loops"] == 2);
+  const Outcome open = run_tri({"check", "sheet.obj", "--open"}, folder.path());
+  CHECK(open.exit_code == 0);
+  CHECK(contains(open.out, "nothing is wrong"));
+  folder.make("solid.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+  const Outcome solid = run_tri({"check", "solid.off"}, folder.path());
+  CHECK(solid.exit_code == 0);
+  CHECK(contains(solid.out, "solid"));
 }
 
 TEST_CASE("tri run: fills the hole, reports it, and writes the mesh") {

@@ -1,9 +1,9 @@
 #include "meshops/operators/remove_components.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <functional>
 
+#include "meshops/mesh_summary.hpp"
 #include "meshops/soup_components.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -31,34 +31,37 @@ Report remove_components(Soup& soup, const RemoveComponentsOptions& options, Con
   if (options.min_area == 0 && options.min_volume == 0 && options.min_triangles == 0 && options.keep == 0) return report;
 
   const Shells shells = find_shells(soup, context);
-  const SoupComponents found = find_components(soup, shells, context);
-  std::vector<double> volume(found.components.size(), 0);
-  for (const Shell& shell : shells.shells) volume[found.of_triangle[shell.triangles[0]]] += std::abs(shell.volume);
+  MeshPlaces places;
+  const MeshSummary summary = summarize(soup, &places);
+  context.checkpoint();
+  std::vector<SoupComponent> found = measure_components(soup, places.component_of_triangle, shells);
+  // Triangles that name a vertex twice are one more.
+  std::vector<std::uint32_t>& component_of = places.component_of_triangle;
+  if (summary.repeated_corners > 0) found.push_back({.triangles = summary.repeated_corners});
+  for (const std::uint32_t t : places.repeated_corners) component_of[t] = static_cast<std::uint32_t>(found.size() - 1);
   std::vector<std::uint32_t> stay;
-  for (std::uint32_t i = 0; i < found.components.size(); ++i) {
-    const SoupComponent& c = found.components[i];
-    if (c.area >= options.min_area && volume[i] >= options.min_volume &&
-        c.triangles >= static_cast<std::uint64_t>(options.min_triangles))
+  for (std::uint32_t i = 0; i < found.size(); ++i)
+    if (found[i].area >= options.min_area && found[i].absolute_volume >= options.min_volume &&
+        found[i].triangles >= static_cast<std::uint64_t>(options.min_triangles))
       stay.push_back(i);
-  }
   if (options.keep > 0 && stay.size() > static_cast<std::size_t>(options.keep)) {
-    std::ranges::stable_sort(stay, std::ranges::greater(), [&](std::uint32_t i) { return found.components[i].area; });
+    std::ranges::stable_sort(stay, std::ranges::greater(), [&](std::uint32_t i) { return found[i].area; });
     stay.resize(static_cast<std::size_t>(options.keep));
   }
   context.checkpoint();
   report.figures["components kept"] = static_cast<double>(stay.size());
-  if (stay.size() == found.components.size()) return report;
-  std::vector<char> stays(found.components.size(), 0);
+  if (stay.size() == found.size()) return report;
+  std::vector<char> stays(found.size(), 0);
   for (const std::uint32_t i : stay) stays[i] = 1;
   double area = 0;
   for (std::size_t i = 0; i < stays.size(); ++i)
-    if (!stays[i]) area += found.components[i].area;
+    if (!stays[i]) area += found[i].area;
   report.figures["components removed"] = static_cast<double>(stays.size() - stay.size());
   report.figures["area removed"] = area;
 
   std::vector<char> keep(soup.triangles.size()), used(soup.points.size(), 0), had(soup.points.size(), 0);
   for (std::size_t i = 0; i < keep.size(); ++i) {
-    keep[i] = stays[found.of_triangle[i]];
+    keep[i] = stays[component_of[i]];
     report.faces_removed += !keep[i];
     for (const std::uint32_t v : soup.triangles[i]) (keep[i] ? used : had)[v] = 1;
   }

@@ -20,8 +20,9 @@ struct RemoveComponentsOptions {
 /// Removes whole components, by area, volume, number of triangles or rank.
 ///
 /// A component is what is joined over edges, of however many triangles. Its volume is the sum of those of its closed
-/// shells, see `find_shells`, each taken as positive; nesting is not looked at. Vertices that only these triangles use go with them. Of components with the same
-/// area the earlier one ranks first. Triangles that name a vertex twice are a component of their own, without area.
+/// shells, see `find_shells`, each taken as positive; nesting is not looked at. Vertices that only these triangles use go
+/// with them. Of components with the same area the earlier one ranks first. Triangles that name a vertex twice are one
+/// component of their own, without area.
 ///
 /// Counts: `faces_removed`, `vertices_removed`. Figures: "components removed", "components kept", "area removed".
 /// @throws InvalidInput if an option is out of range or the soup is inconsistent; Cancelled. The soup is then as it was.
