@@ -32,9 +32,11 @@ constexpr double fold_cosine = -0.8660254037844386;     ///< 150 degrees
 /// left.
 constexpr std::array<int, 3> small_rings{6, 10, 14};
 constexpr std::array<int, 1> large_rings{28};
-constexpr double much = 0.005;             ///< of the area
-constexpr int most_rounds = 6;             ///< over what still bridges
-constexpr int most_attempts = 4;           ///< at a region whose best triangulations cross others
+constexpr double much = 0.005;    ///< of the area
+constexpr int most_rounds = 6;    ///< over what still bridges
+constexpr int most_attempts = 4;  ///< at a region whose best triangulations cross others
+constexpr int most_crossing_rounds = 3;
+constexpr std::size_t most_in_vain = 100;  ///< regions of crossings in turn that nothing helped: solids that touch
 constexpr int zone_steps = 14;             ///< triangles around a bridging one that may change
 constexpr std::size_t most_changes = 400;  ///< before the search for crossings is sorted anew; more in a large zone
 constexpr std::size_t block = 8192;        ///< triangles
@@ -81,6 +83,7 @@ class BridgeTest {
       turned_.push_back(is_odd(t));
       middles_.push_back((a.point + b.point + c.point) / 3.0);
     }
+    if (wanted_.empty()) return;
     const std::vector<Foot> nearest = registration_.register_points(middles_, quiet_);
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
       const Triangle& t = wanted_[i];
@@ -164,6 +167,11 @@ class Neighbourhood {
     edit.index_vertices();
   }
 
+  /// Of a triangle of the mesh that is here.
+  std::int32_t number_here(std::uint32_t t) const {
+    return static_cast<std::int32_t>(std::lower_bound(triangles.begin(), triangles.end(), t) - triangles.begin());
+  }
+
   void give_back(PointMesh& mesh) const {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const std::uint32_t t = triangles[i];
@@ -176,7 +184,7 @@ class Neighbourhood {
   }
 
   EditMesh edit;
-  std::vector<std::uint32_t> triangles;  ///< of the mesh
+  std::vector<std::uint32_t> triangles;  ///< of the mesh, ascending
   std::vector<bool> changeable;
 };
 
@@ -199,13 +207,32 @@ class Lessener {
       for (std::int32_t t : work)
         for (int limit : limits) {
           if (++done % 256 == 0) context.checkpoint();
-          if (is_bridging(t) && improve(t, limit)) changed.insert(changed.end(), region_.begin(), region_.end());
+          if (is_bridging(t) && improve(t, limit, Aim::bridges))
+            changed.insert(changed.end(), region_.begin(), region_.end());
         }
       std::sort(changed.begin(), changed.end());
       changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
       std::erase_if(changed, [&](std::int32_t t) { return !is_bridging(t); });
       work = std::move(changed);
     }
+  }
+
+  /// Works on regions around triangles that cross others, until none does or hardly any can be helped.
+  /// @return whether anything changed
+  bool run_crossings(const std::vector<std::uint32_t>& tangled, const Context& context) {
+    std::size_t in_vain = 0;
+    bool changed = false;
+    for (std::uint32_t t : tangled) {
+      const std::int32_t here = zone_.number_here(t);
+      for (int limit : small_rings) {
+        context.checkpoint();
+        if (in_vain >= most_in_vain || search_->count(mesh_.triangles[here], {}) == 0) break;
+        const bool helped = improve(here, limit, Aim::crossings);
+        in_vain = helped ? 0 : in_vain + 1;
+        changed |= helped;
+      }
+    }
+    return changed;
   }
 
   std::vector<std::int32_t> bridging() const {
@@ -224,12 +251,16 @@ class Lessener {
  private:
   bool is_bridging(std::int32_t t) const { return test_(points(mesh_.triangles[t])); }
 
+  /// What has to become less: the sum of the weights with no more crossings than before, or the crossings.
+  enum class Aim { bridges, crossings };
+
   /// @return whether the region around `t` was changed
-  bool improve(std::int32_t t, int limit) {
+  bool improve(std::int32_t t, int limit, Aim aim) {
     grow(t, limit);
     const int n = static_cast<int>(ring_.size());
     if (n < 4) return false;
     find_beyond();
+    ask_region();
     double before = 0;
     for (std::int32_t r : region_) before += weight(mesh_.triangles[r]);
     for (std::int32_t r : region_)
@@ -237,7 +268,7 @@ class Lessener {
         const std::int32_t o = mesh_.neighbors[r][k];
         if (o >= 0) before += (in_region(o) ? 0.5 : 1) * fold(side_of(mesh_.triangles[r]), side_of(mesh_.triangles[o]));
       }
-    weigh_all(before);
+    weigh_all(aim == Aim::bridges ? before : infinity);
     patch_.clear();
     for (std::int32_t r : region_) patch_.push_back(mesh_.triangles[r]);
     const long crossings = count_crossings();
@@ -258,10 +289,12 @@ class Lessener {
             return sum;
           },
           chosen_);
-      if (!best || !(*best < before * (1 - 1e-7))) return false;
+      if (!best || (aim == Aim::bridges && !(*best < before * (1 - 1e-7)))) return false;
       patch_.clear();
       for (const RingTriangle& c : chosen_) patch_.push_back({ring_[c[0]], ring_[c[1]], ring_[c[2]]});
-      if (count_crossings() > crossings) {  // what crosses is forbidden, and the next best tried
+      const long now = count_crossings();
+      if (now > crossings ||
+          (aim == Aim::crossings && now == crossings)) {  // what crosses is forbidden, and the next best tried
         for (std::size_t c = 0; c < chosen_.size(); ++c)
           if (crossing_[c]) forbidden_.push_back(chosen_[c]);
         continue;
@@ -300,6 +333,12 @@ class Lessener {
   bool may_bridge(const Side& side, const Triangle& t) const {
     const auto& v = mesh_.vertices;
     return disagrees(side.normal, 1, v[t[0]].normal, v[t[1]].normal, v[t[2]].normal);
+  }
+  void ask_region() {
+    wanted_.clear();
+    for (std::int32_t r : region_)
+      if (may_bridge(side_of(mesh_.triangles[r]), mesh_.triangles[r])) wanted_.push_back(points(mesh_.triangles[r]));
+    test_.ask(wanted_);
   }
   static double fold(const Side& s, const Side& t) {
     return (s.normal | t.normal) < fold_cosine ? fold_weight * std::min(s.area, t.area) : 0;
@@ -491,6 +530,23 @@ Bridges lessen_bridges(std::span<const Vec3> points, std::span<const Foot> feet,
   bridges.triangles = lessener.bridging().size();
   bridges.area = lessener.bridging_area();
   return bridges;
+}
+
+bool mend_crossings(std::span<const Vec3> points, std::span<const Foot> feet, const Registration& registration,
+                    double tolerance, std::span<const std::array<std::uint32_t, 2>> pairs, PointMesh& mesh,
+                    Context& context) {
+  if (pairs.empty()) return false;
+  std::vector<std::uint32_t> tangled;
+  for (const auto& pair : pairs) tangled.insert(tangled.end(), pair.begin(), pair.end());
+  std::sort(tangled.begin(), tangled.end());
+  tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
+  BridgeTest test(feet, registration, tolerance, context.threads);
+  Neighbourhood zone(mesh, feet, tangled, zone_steps);
+  Lessener lessener(zone, points, test);
+  bool changed = false;
+  for (int round = 0; round < most_crossing_rounds && lessener.run_crossings(tangled, context); ++round) changed = true;
+  if (changed) zone.give_back(mesh);
+  return changed;
 }
 
 }  // namespace tri

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -36,5 +37,15 @@ struct Bridges {
 /// @throws Cancelled; the mesh is then as it was
 Bridges lessen_bridges(std::span<const Vec3> points, std::span<const Foot> feet, const Registration& registration,
                        double tolerance, PointMesh& mesh, Context& context);
+
+/// Triangulates regions around triangles that cross others anew where that leaves fewer crossings, as `lessen_bridges`
+/// does for bridges: for crossings that no flip of one edge undoes.
+///
+/// @param pairs  the crossings, as `self_intersections` gives them
+/// @return whether the mesh changed
+/// @throws Cancelled; the mesh is then as it was
+bool mend_crossings(std::span<const Vec3> points, std::span<const Foot> feet, const Registration& registration,
+                    double tolerance, std::span<const std::array<std::uint32_t, 2>> pairs, PointMesh& mesh,
+                    Context& context);
 
 }  // namespace tri

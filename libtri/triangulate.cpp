@@ -25,6 +25,7 @@
 #include "meshops/build_mesh.hpp"
 #include "meshops/error.hpp"
 #include "meshops/select_indices.hpp"
+#include "meshops/self_intersections.hpp"
 
 namespace tri {
 namespace {
@@ -180,9 +181,11 @@ struct Candidate {
                few_defects * static_cast<double>(mesh.triangles.size()) &&
            checks.bridging_share <= few_bridges;
   }
-  /// Share of the mesh that is wrong: area that bridges, triangles that cross, edges that are folded.
+  /// Share of the mesh that is wrong: area that bridges, triangles that cross, and least of all edges that are folded, which
+  /// noise does too.
   double defects() const {
-    const auto count = static_cast<double>(2 * checks.self_intersections + checks.folds + checks.turned);
+    const double count = 4 * static_cast<double>(checks.self_intersections) + static_cast<double>(checks.turned) +
+                         0.25 * static_cast<double>(checks.folds);
     return checks.bridging_share + count / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size()));
   }
   bool better_than(const Candidate& other) const {
@@ -197,14 +200,16 @@ void finish(Candidate& candidate, const Measured& measured, const SurfaceTopolog
   const double tolerance = 3 * measured.sigma + noise_floor * measured.model.diagonal;
   const Bridges bridges =
       lessen_bridges(measured.points, measured.feet, measured.registration, tolerance, candidate.mesh, context);
-  const std::size_t crossings = untangle(measured.points, measured.feet, candidate.mesh, context).size();
+  auto crossings = untangle(measured.points, measured.feet, candidate.mesh, context);
+  if (mend_crossings(measured.points, measured.feet, measured.registration, tolerance, crossings, candidate.mesh, context))
+    crossings = self_intersections(measured.points, candidate.mesh.triangles, context);
   SurfaceTopology found;
   tbb::parallel_invoke(
       [&] { found = topology(candidate.mesh.triangles, candidate.mesh.neighbors); },
       [&] { candidate.checks = check_triangulation(measured.points, measured.feet, candidate.mesh); });
   candidate.checks.bridging = bridges.triangles;
   candidate.checks.bridging_share = bridges.share();
-  candidate.checks.self_intersections = crossings;
+  candidate.checks.self_intersections = crossings.size();
   candidate.checks.model = model;
   candidate.checks.mesh = found;
 }

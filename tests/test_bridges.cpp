@@ -150,3 +150,27 @@ TEST_CASE("lessen_bridges: cancelled, the mesh is as it was") {
                   Cancelled);
   CHECK(mesh.triangles == before.triangles);
 }
+
+TEST_CASE("mend_crossings: fewer triangles cross, and topology, points and boundary keep") {
+  const test::MeasuredPart part = sparse("housing", 3000, SamplingPattern::scan);
+  const Registration registration(part.model);
+  const auto& points = part.measurement.points;
+  Context context;
+  const Tessellation tessellation = tessellate(part.model, 1e-3 * part.model.diagonal, 0.35, context);
+  const PointMesh before = connect_by_shell(part.model, tessellation, part.feet, context).mesh;
+  const auto crossings = self_intersections(points, before.triangles, context);
+  REQUIRE(crossings.size() >= 5);
+  PointMesh mesh = before;
+  CHECK(mend_crossings(points, part.feet, registration, tolerance, crossings, mesh, context));
+  CHECK(self_intersections(points, mesh.triangles, context).size() < 0.7 * static_cast<double>(crossings.size()));
+  const test::LinkedTriangles linked = test::check_links(mesh.triangles, mesh.neighbors);
+  const test::LinkedTriangles was = test::check_links(before.triangles, before.neighbors);
+  CHECK_LINKS(linked);
+  CHECK(linked.double_edges.empty());
+  CHECK(linked.euler == was.euler);
+  CHECK(linked.vertices == was.vertices);
+  CHECK(boundary(mesh) == boundary(before));
+  PointMesh same = before;
+  CHECK_FALSE(mend_crossings(points, part.feet, registration, tolerance, {}, same, context));
+  CHECK(same.triangles == before.triangles);
+}
