@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepExtrema_DistShapeShape.hxx>
 #include <BRep_Tool.hxx>
 #include <GeomAPI_ProjectPointOnSurf.hxx>
@@ -109,11 +110,14 @@ void registration(benchmark::State& state, const CadModel& model, bool sorted, i
 
 // The peer is handed the face that each point was made on, and knows nothing of trimming. One projection is initialised
 // once for each face that has a point; that is inside the measured time, as our seeding is.
-void project(benchmark::State& state, const CadModel& model, Extrema_ExtAlgo algorithm) {
+// @param nurbs  projects on the faces as NURBS instead: OpenCASCADE has closed forms for planes, cylinders and so on
+void project(benchmark::State& state, const CadModel& model, Extrema_ExtAlgo algorithm, bool nurbs) {
   const auto n = static_cast<std::size_t>(state.range(0));
   const Measured sample = measured(model, n);
   TopTools_IndexedMapOfShape shapes;
-  TopExp::MapShapes(occt(model.shape), TopAbs_FACE, shapes);
+  BRepBuilderAPI_NurbsConvert convert;
+  if (nurbs) convert.Perform(occt(model.shape));
+  TopExp::MapShapes(nurbs ? convert.Shape() : occt(model.shape), TopAbs_FACE, shapes);
   std::vector<std::vector<gp_Pnt>> of_face(model.faces.size());
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3& p = sample.points[i];
@@ -126,8 +130,10 @@ void project(benchmark::State& state, const CadModel& model, Extrema_ExtAlgo alg
       if (of_face[f].empty()) continue;
       const CadFace& face = model.faces[f];
       GeomAPI_ProjectPointOnSurf projection;
-      projection.Init(BRep_Tool::Surface(TopoDS::Face(shapes(face.shape_face))), face.u_min, face.u_max, face.v_min,
-                      face.v_max, 1e-9, algorithm);
+      const Handle(Geom_Surface) surface = BRep_Tool::Surface(TopoDS::Face(shapes(face.shape_face)));
+      double u0 = face.u_min, u1 = face.u_max, v0 = face.v_min, v1 = face.v_max;
+      if (nurbs) surface->Bounds(u0, u1, v0, v1);
+      projection.Init(surface, u0, u1, v0, v1, 1e-9, algorithm);
       for (const gp_Pnt& p : of_face[f]) {
         projection.Perform(p);
         if (projection.NbPoints() > 0) distance += projection.LowerDistance();
@@ -168,14 +174,16 @@ void add_benchmarks(const std::string& name, const CadModel& model) {
   RegisterBenchmark(("registration/" + name + "_build").c_str(), [&model](benchmark::State& state) {
     for (auto _ : state) benchmark::DoNotOptimize(Registration(model));
   })->Unit(benchmark::kMillisecond);
-  RegisterBenchmark(("GeomAPI_ProjectPointOnSurf/" + name).c_str(),
-                    [&model](benchmark::State& state) { project(state, model, Extrema_ExtAlgo_Grad); })
-      ->Arg(2000)
-      ->Unit(benchmark::kMillisecond);
-  RegisterBenchmark(("GeomAPI_ProjectPointOnSurf_tree/" + name).c_str(),
-                    [&model](benchmark::State& state) { project(state, model, Extrema_ExtAlgo_Tree); })
-      ->Arg(2000)
-      ->Unit(benchmark::kMillisecond);
+  for (const bool tree : {false, true})
+    for (const bool nurbs : {false, true})
+      RegisterBenchmark(
+          ("GeomAPI_ProjectPointOnSurf" + std::string(tree ? "_tree" : "") + (nurbs ? "_nurbs" : "") + "/" + name)
+              .c_str(),
+          [&model, tree, nurbs](benchmark::State& state) {
+            project(state, model, tree ? Extrema_ExtAlgo_Tree : Extrema_ExtAlgo_Grad, nurbs);
+          })
+          ->Arg(2000)
+          ->Unit(benchmark::kMillisecond);
 }
 
 }  // namespace
