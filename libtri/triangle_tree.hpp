@@ -1,9 +1,10 @@
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <span>
 #include <vector>
 
+#include "meshops/box_tree.hpp"
 #include "meshops/soup.hpp"
 #include "meshops/vec.hpp"
 
@@ -21,15 +22,8 @@ class TriangleTree {
   bool nearer_than(const Vec3& point, double distance) const;
 
  private:
-  struct Node {
-    Vec3 low, high;
-    std::uint32_t first,
-        count;  // leaf: triangles [first, first + count); inner (count 0): children first and first + 1
-  };
-  void split(std::uint32_t node, std::span<std::uint32_t> order, std::uint32_t offset, std::span<const Vec3> centres);
-
-  std::vector<Node> nodes_;
-  std::vector<std::array<Vec3, 3>> corners_;  // in the order of the leaves
+  BoxTree tree_;
+  std::vector<std::array<Vec3, 3>> corners_;
 };
 
 }  // namespace tri

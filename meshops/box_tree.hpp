@@ -85,6 +85,41 @@ class BoxTree {
     }
   }
 
+  /// Hands over every item whose box the ray from `origin` along `direction` (any length) meets, in no order, until
+  /// `visit(item)` returns true.
+  /// @return whether it did
+  template <class Visit>
+  bool along_ray(const Vec3& origin, const Vec3& direction, Visit&& visit) const {
+    if (nodes_.empty()) return false;
+    const Vec3 from = origin - center_;
+    std::int32_t stack[192];
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+      const std::int32_t child = stack[--top];
+      if (child < 0) {
+        if (visit(static_cast<std::uint32_t>(~child))) return true;
+        continue;
+      }
+      const Node& node = nodes_[child];
+      for (int k = 0; k < 4; ++k) {
+        double enter = 0, leave = std::numeric_limits<double>::infinity();
+        for (int c = 0; c < 3; ++c) {
+          const double low = node.low[c][k] - from[c], high = node.high[c][k] - from[c];
+          if (direction[c] == 0) {
+            if (low > 0 || high < 0) leave = -1;
+            continue;
+          }
+          const double a = low / direction[c], b = high / direction[c];
+          enter = std::max(enter, std::min(a, b));
+          leave = std::min(leave, std::max(a, b));
+        }
+        if (enter <= leave * (1 + 1e-12) && std::isfinite(enter)) stack[top++] = node.child[k];
+      }
+    }
+    return false;
+  }
+
   std::size_t node_count() const { return nodes_.size(); }
 
  private:

@@ -5,7 +5,7 @@
 #include <unordered_set>
 
 #include "meshops/boundary_loops.hpp"
-#include "meshops/point_tree.hpp"
+#include "meshops/nearest_points.hpp"
 
 namespace tri {
 namespace {
@@ -58,13 +58,12 @@ double turn_at(MeshView view, HalfedgeHandle base, VertexHandle a, VertexHandle 
 
 FacingContours::FacingContours(MeshView mesh, const std::vector<double>& spacing, const FacingLimits& limits)
     : view_(mesh), spacing_(spacing), limits_(limits) {
-  std::vector<Vec3> points;
   for (const auto& cycle : boundary_cycles(mesh))
     for (const HalfedgeHandle h : cycle) {
       vertices_.push_back(mesh.mesh.from_vertex_handle(h));
-      points.push_back(mesh.point(vertices_.back()));
+      points_.push_back(mesh.point(vertices_.back()));
     }
-  tree_ = std::make_unique<PointTree>(std::move(points));
+  tree_ = std::make_unique<NearestPoints>(points_);
 }
 
 FacingContours::~FacingContours() = default;
@@ -98,7 +97,8 @@ std::vector<FacingContours::Seed> FacingContours::seeds() const {
   }
   std::vector<Vec3> points;
   for (const Station& s : stations) points.push_back(s.point);
-  const PointTree tree(std::move(points));
+  const NearestPoints tree(points);
+  std::vector<NearestPoints::Neighbor> neighbors;
 
   const auto facing = [&](const Station& a, const Station& b, double distance) {
     if ((a.along | b.along) > -0.3) return false;
@@ -115,17 +115,19 @@ std::vector<FacingContours::Seed> FacingContours::seeds() const {
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const Station& a = stations[i];
     const VertexHandle va = mesh.from_vertex_handle(a.halfedge);
-    tree.within(a.point, reach(va, va), [&](int k) {
+    tree.within(a.point, reach(va, va), neighbors);
+    for (const NearestPoints::Neighbor& neighbor : neighbors) {
+      const int k = static_cast<int>(neighbor.index);
       const Station& b = stations[k];
       const VertexHandle vb = mesh.from_vertex_handle(b.halfedge);
-      if (va == vb) return;
+      if (va == vb) continue;
       const double distance = (b.point - a.point).norm();
       const double share = distance / reach(va, vb);
-      if (!(share < nearness[i] || (share == nearness[i] && mate[i] >= 0 && k < mate[i]))) return;
-      if (distance <= 1e-9 * reach(va, vb) || !facing(a, b, distance)) return;
+      if (!(share < nearness[i] || (share == nearness[i] && mate[i] >= 0 && k < mate[i]))) continue;
+      if (distance <= 1e-9 * reach(va, vb) || !facing(a, b, distance)) continue;
       nearness[i] = share;
       mate[i] = k;
-    });
+    }
   }
   struct Candidate {
     bool one_sided;
@@ -185,12 +187,12 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
   const auto crowded = [&](VertexHandle a, VertexHandle b, const Front& front) {
     const Vec3 center = midpoint(a, b);
     const double radius = 0.5 * (view_.point(a) - view_.point(b)).norm();
-    bool found = false;
     std::vector<VertexHandle> near;
-    tree_->within(center, 0.999 * radius, [&](int k) {
-      if (found) return;
-      const VertexHandle v = vertices_[k];
-      if (v == a || v == b || !mesh.is_boundary(v)) return;
+    std::vector<NearestPoints::Neighbor> inside;
+    tree_->within(center, 0.999 * radius, inside);
+    for (const NearestPoints::Neighbor& neighbor : inside) {
+      const VertexHandle v = vertices_[neighbor.index];
+      if (v == a || v == b || !mesh.is_boundary(v)) continue;
       if (near.empty()) {
         for (int side = 0; side < 2; ++side) {
           HalfedgeHandle forward = side == 0 ? front.p_base : front.q_base, backward = forward;
@@ -202,9 +204,9 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
           }
         }
       }
-      found = std::find(near.begin(), near.end(), v) == near.end();
-    });
-    return found;
+      if (std::find(near.begin(), near.end(), v) == near.end()) return true;
+    }
+    return false;
   };
 
   struct Step {

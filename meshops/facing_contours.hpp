@@ -10,7 +10,7 @@
 
 namespace tri {
 
-class PointTree;
+class NearestPoints;
 
 /// Two stretches of boundary found to face each other, both running the same way in space: `first` along its boundary
 /// half-edges, `second` against its own. Of a closed pair the first vertex is repeated at the end.
@@ -59,7 +59,8 @@ class FacingContours {
   const std::vector<double>& spacing_;
   FacingLimits limits_;
   std::vector<VertexHandle> vertices_;  ///< on the boundary when this object was made, by index in the tree
-  std::unique_ptr<PointTree> tree_;
+  std::vector<Vec3> points_;            ///< their places
+  std::unique_ptr<NearestPoints> tree_;
 };
 
 /// Angle [rad] between the normal of triangle (a, b, c) and that of the face on the other side of `base`; pi if the
