@@ -322,7 +322,9 @@ TEST_CASE("tri info: --units turns points into millimetres, by name or by number
   };
   const std::vector<std::pair<std::string, double>> factors{
       {"mm", 1}, {"cm", 10}, {"m", 1000}, {"um", 0.001}, {"inch", 25.4}, {"ft", 304.8}, {"25.4", 25.4}, {"1e3", 1000}};
-  for (const auto& [name, factor] : factors) {
+  for (const auto& unit : factors) {
+    const std::string& name = unit.first;
+    const double factor = unit.second;
     CAPTURE(name);
     const json report = info({"--units", name});
     CHECK(report["units"] == name);

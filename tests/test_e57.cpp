@@ -295,30 +295,30 @@ TEST_CASE("e57: absurd counts and broken structures are refused with a position"
 
   const E57TestFile empty;
   const std::string root = "<e57Root type=\"Structure\">";
-  for (const auto& [xml, word] : std::vector<std::pair<std::string, std::string>>{
-           {"<e57Root", "not well-formed"},
-           {"<other/>", "no element e57Root"},
-           {root + "</e57Root>", "no scan"},
-           {root + "<data3D><vectorChild/></data3D></e57Root>", "no element points"},
-           {root + "<data3D><vectorChild><points fileOffset=\"48\"/></vectorChild></data3D></e57Root>", "recordCount"},
-           {root + "<data3D><vectorChild><points fileOffset=\"x\" recordCount=\"1\"/></vectorChild></data3D></e57Root>",
-            "no integer"},
-           {root +
-                "<data3D><vectorChild><points fileOffset=\"-1\" recordCount=\"1\"/></vectorChild></data3D></e57Root>",
-            "is -1"},
-           {root + "<data3D><vectorChild><points fileOffset=\"9999\" recordCount=\"1\"><prototype><cartesianX "
-                   "type=\"Float\"/><cartesianY type=\"Float\"/><cartesianZ type=\"Float\"/></prototype></points>"
-                   "</vectorChild></data3D></e57Root>",
-            "9999"},
-           {root + "<data3D><vectorChild><pose><rotation><w>1</w><x>1</x></rotation></pose><points fileOffset=\"48\" "
-                   "recordCount=\"0\"><prototype/></points></vectorChild></data3D></e57Root>",
-            "no unit quaternion"},
-           {root + "<data3D><vectorChild><points fileOffset=\"48\" recordCount=\"1\"><prototype><cartesianX "
-                   "type=\"Blob\"/></prototype></points></vectorChild></data3D></e57Root>",
-            "unknown type"}}) {
-    CAPTURE(xml);
-    const IoError error = refused_e57(empty.bytes_with_xml(xml));
-    CHECK(says(error, word));
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {"<e57Root", "not well-formed"},
+      {"<other/>", "no element e57Root"},
+      {root + "</e57Root>", "no scan"},
+      {root + "<data3D><vectorChild/></data3D></e57Root>", "no element points"},
+      {root + "<data3D><vectorChild><points fileOffset=\"48\"/></vectorChild></data3D></e57Root>", "recordCount"},
+      {root + "<data3D><vectorChild><points fileOffset=\"x\" recordCount=\"1\"/></vectorChild></data3D></e57Root>",
+       "no integer"},
+      {root + "<data3D><vectorChild><points fileOffset=\"-1\" recordCount=\"1\"/></vectorChild></data3D></e57Root>",
+       "is -1"},
+      {root + "<data3D><vectorChild><points fileOffset=\"9999\" recordCount=\"1\"><prototype><cartesianX "
+              "type=\"Float\"/><cartesianY type=\"Float\"/><cartesianZ type=\"Float\"/></prototype></points>"
+              "</vectorChild></data3D></e57Root>",
+       "9999"},
+      {root + "<data3D><vectorChild><pose><rotation><w>1</w><x>1</x></rotation></pose><points fileOffset=\"48\" "
+              "recordCount=\"0\"><prototype/></points></vectorChild></data3D></e57Root>",
+       "no unit quaternion"},
+      {root + "<data3D><vectorChild><points fileOffset=\"48\" recordCount=\"1\"><prototype><cartesianX "
+              "type=\"Blob\"/></prototype></points></vectorChild></data3D></e57Root>",
+       "unknown type"}};
+  for (const auto& entry : wrong) {
+    CAPTURE(entry.first);
+    const IoError error = refused_e57(empty.bytes_with_xml(entry.first));
+    CHECK(says(error, entry.second));
     CHECK(error.unit() == IoError::Unit::byte);
   }
 }

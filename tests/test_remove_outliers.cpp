@@ -53,7 +53,9 @@ std::vector<Vec3> sheet_with_strays(std::vector<std::size_t>& strays) {
 TEST_CASE("remove_outliers: what lies alone goes, as the definition says") {
   std::vector<std::size_t> strays;
   const std::vector<Vec3> points = sheet_with_strays(strays);
-  for (const auto& [neighbors, sigma] : {std::pair{16, 3.0}, {1, 1.0}, {5, 0.5}, {40, 0.0}}) {
+  for (const auto& option : {std::pair{16, 3.0}, {1, 1.0}, {5, 0.5}, {40, 0.0}}) {
+    const int neighbors = option.first;
+    const double sigma = option.second;
     CAPTURE(neighbors);
     PointSet set;
     set.points = points;
