@@ -3,6 +3,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/points_input.hpp"
+#include "cli/report_text.hpp"
 #include "io/input_file.hpp"
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
@@ -18,25 +19,6 @@ struct Arguments {
   PointUnits units;
   bool ascii = false, json = false;
 };
-
-std::string to_text(const Report& r) {
-  std::string changes;
-  const auto add = [&](std::uint64_t count, const char* what) {
-    if (count > 0) changes += fmt::format("{}{} {}", changes.empty() ? "" : ", ", with_commas(count), what);
-  };
-  add(r.vertices_added, "vertices added");
-  add(r.vertices_removed, "vertices removed");
-  add(r.vertices_moved, "vertices moved");
-  add(r.faces_added, "faces added");
-  add(r.faces_removed, "faces removed");
-  add(r.faces_reversed, "faces reversed");
-  add(r.edges_flipped, "edges flipped");
-  std::string text = fmt::format("{:<20} {} ({:.3f} s)\n", r.operation, changes.empty() ? "nothing changed" : changes, r.seconds);
-  for (const auto& [name, value] : r.figures) text += fmt::format("  {}: {:.6g}\n", name, value);
-  for (const auto& [reason, count] : r.skipped) text += fmt::format("  left alone, {}: {}\n", reason, with_commas(count));
-  for (const std::string& note : r.notes) text += fmt::format("  {}\n", note);
-  return text;
-}
 
 Pipeline pipeline_of(const Arguments& a, const Program& program) {
   if (a.recipe.empty()) return usage([&] { return Pipeline::from_tokens(program.steps); });

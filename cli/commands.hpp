@@ -12,6 +12,7 @@ void add_model_command(CLI::App& app, Program& program);
 void add_ops_command(CLI::App& app, Program& program);
 void add_register_command(CLI::App& app, Program& program);
 void add_render_command(CLI::App& app, Program& program);
+void add_repair_command(CLI::App& app, Program& program);
 void add_run_command(CLI::App& app, Program& program);
 void add_sample_command(CLI::App& app, Program& program);
 void add_triangulate_command(CLI::App& app, Program& program);

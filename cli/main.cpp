@@ -123,6 +123,7 @@ int main(int argc, char** argv) {
 #endif
   add_info_command(app, program);
   add_check_command(app, program);
+  add_repair_command(app, program);
   add_run_command(app, program);
   add_ops_command(app, program);
   add_render_command(app, program);

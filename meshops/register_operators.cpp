@@ -3,6 +3,7 @@
 #include "meshops/operators/extract_boundaries.hpp"
 #include "meshops/operators/fill_holes.hpp"
 #include "meshops/operators/flip_diagonals.hpp"
+#include "meshops/operators/make_solid.hpp"
 #include "meshops/operators/orient.hpp"
 #include "meshops/operators/remove_components.hpp"
 #include "meshops/operators/remove_degenerate.hpp"
@@ -29,6 +30,8 @@ void register_operators(Registry& registry) {
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
   registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
   registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");
+  registry.add("make-solid", make_solid,
+               "Closes, untangles and thickens: any triangles become the boundary of a solid");
   registry.add("orient", orient, "Turns triangles so that neighbours agree and solids face outward");
   registry.add("remove-components", remove_components, "Removes whole components by area, volume, size or rank, if asked to");
   registry.add("remove-degenerate", remove_degenerate, "Collapses needles and takes caps out, without leaving holes");

@@ -1,0 +1,92 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cli/commands.hpp"
+#include "cli/report_text.hpp"
+#include "io/json_file.hpp"
+#include "io/mesh_file.hpp"
+#include "meshops/repair.hpp"
+
+namespace tri::cli {
+namespace {
+
+struct Arguments {
+  std::string input, output, report, goal = "auto";
+  double max_deviation = RepairOptions{}.max_deviation;
+  bool json = false, dry_run = false, ascii = false;
+};
+
+RepairGoal goal_of(const std::string& name) {
+  if (name == "solid") return RepairGoal::solid;
+  return name == "surface" ? RepairGoal::surface : RepairGoal::automatic;
+}
+
+int run(const Arguments& a, Program& program) {
+  Context& context = program.context;
+  if (!a.output.empty() && !a.dry_run) check_output(a.output);
+  if (!a.report.empty()) check_output(a.report);
+  Soup soup = read_mesh(a.input, context);
+  const std::size_t vertices = soup.points.size(), triangles = soup.triangles.size();
+  const RepairResult result = repair(soup, {goal_of(a.goal), a.max_deviation}, context);
+  nlohmann::ordered_json json{{"input", a.input},
+                              {"goal", result.goal == RepairGoal::solid ? "solid" : "surface"},
+                              {"changed", result.changed},
+                              {"left", result.left},
+                              {"before", {{"vertices", vertices}, {"triangles", triangles}}},
+                              {"after", {{"vertices", soup.points.size()}, {"triangles", soup.triangles.size()}}},
+                              {"steps", nlohmann::ordered_json::array()}};
+  for (const Report& step : result.steps) json["steps"].push_back(to_json(step));
+  std::string text = fmt::format("goal: a {}\n", result.goal == RepairGoal::solid ? "solid" : "surface");
+  for (const Report& step : result.steps) text += to_text(step);
+  if (!result.changed) text += "nothing had to be repaired\n";
+  if (!a.dry_run) {
+    const MeshWriteReport written = write_mesh(a.output, soup, {.ascii = a.ascii}, context);
+    for (const std::string& note : written.notes)
+      if (!program.quiet) print_note(a.output + ": " + note);
+    json["output"] = a.output;
+    json["notes"] = written.notes;
+    text += fmt::format("{}: {} vertices, {} triangles\n", a.output, with_commas(soup.points.size()),
+                        with_commas(soup.triangles.size()));
+  }
+  if (!a.report.empty()) write_json(a.report, json);
+  if (a.json) print_result(json);
+  else print_result(text);
+  if (result.left > 0) print_note(fmt::format("{} defects could not be repaired", with_commas(result.left)));
+  return result.left > 0 ? exit_failed : exit_done;
+}
+
+}  // namespace
+
+void add_repair_command(CLI::App& app, Program& program) {
+  auto* command = app.add_subcommand("repair", "Make a clean mesh of any triangles, and say what was done");
+  const auto a = std::make_shared<Arguments>();
+  command->add_option("in", a->input, "Mesh to read: PLY, STL, OBJ or OFF")->required();
+  command->add_option("-o,--output", a->output, "Mesh to write; its ending (.ply, .stl, .obj, .off) gives the format");
+  command->add_option("--goal", a->goal, "solid: closed, no crossings; surface: open where it was open; auto: by the boundary")
+      ->check(CLI::IsMember({"auto", "solid", "surface"}))
+      ->capture_default_str();
+  command->add_option("--max-deviation", a->max_deviation, "How far the surface may move, as a share of its diagonal")
+      ->check(CLI::Range(0.0, 0.1))
+      ->capture_default_str();
+  command->add_option("--report", a->report, "Write every step to this file as JSON");
+  command->add_flag("--json", a->json, "The report as JSON on standard output");
+  command->add_flag("--dry-run", a->dry_run, "Say what would be done and write no mesh");
+  command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");
+  add_common_options(*command, program);
+  command->footer(
+      "Exit code 1 if something is left that could not be repaired; the mesh is written all the same. No component is\n"
+      "removed, a mesh without defects is written as it was read.\n\n"
+      "Examples:\n"
+      "  tri repair broken.stl -o clean.ply\n"
+      "  tri repair scan.ply -o solid.off --goal solid --report repair.json\n"
+      "  tri repair part.stl --dry-run");
+  command->callback([a, &program] {
+    if (!a->dry_run) {
+      if (a->output.empty()) throw UsageError("say where to write: tri repair IN -o OUT, or --dry-run");
+      require_extension(a->output, mesh_extensions, "the mesh to write");
+    }
+    program.action = [a, &program] { return run(*a, program); };
+  });
+}
+
+}  // namespace tri::cli

@@ -1,0 +1,312 @@
+#include "meshops/arrangement/solid_from_soup.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+#include "meshops/closest_triangle.hpp"
+#include "meshops/disjoint_sets.hpp"
+#include "meshops/self_intersections.hpp"
+#include "meshops/side_pairs.hpp"
+#include "meshops/soup_edit.hpp"
+
+namespace tri {
+namespace {
+
+constexpr std::uint32_t none = 0xffffffffu;
+constexpr double plate_share = 0.02;  ///< half the thickness of plates and gaps, of the deviation that is allowed
+
+std::vector<Vec3> used_points(const Soup& soup) {
+  std::vector<char> used(soup.points.size());
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t v : t) used[v] = 1;
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) points.push_back(soup.points[i]);
+  return points;
+}
+
+double diagonal(const std::vector<GridPoint>& points) {
+  if (points.empty()) return 0;
+  GridPoint low = points[0], high = points[0];
+  for (const GridPoint& p : points)
+    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+  return std::hypot(static_cast<double>(high[0] - low[0]), static_cast<double>(high[1] - low[1]),
+                    static_cast<double>(high[2] - low[2]));
+}
+
+/// Appends a point of a triangle's plane; the corners' attributes are interpolated.
+std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
+  const Vec3 &a = soup.points[t[0]], &b = soup.points[t[1]], &c = soup.points[t[2]];
+  const Vec3 n = (b - a) % (c - a);
+  const double size = n.sqrnorm();
+  Vec3 w(1, 0, 0);
+  if (size > 0) w = Vec3(((b - p) % (c - p)) | n, ((c - p) % (a - p)) | n, ((a - p) % (b - p)) | n) / size;
+  for (int k = 0; k < 3; ++k) w[k] = std::clamp(w[k], 0.0, 1.0);
+  w /= w[0] + w[1] + w[2];
+  const std::uint32_t between = add_point_between(soup, t[0], t[1], w[0] + w[1] > 0 ? w[1] / (w[0] + w[1]) : 0);
+  move_point_between(soup, between, t[2], w[2]);
+  soup.points[between] = p;
+  return between;
+}
+
+}  // namespace
+
+SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls)
+    : soup_(soup), max_deviation_(max_deviation), keep_walls_(keep_walls), frame_(used_points(soup)) {}
+
+void SolidFromSoup::take_triangles(Report& report) {
+  std::map<GridPoint, std::uint32_t> numbers;
+  std::vector<std::uint32_t> number(soup_.points.size(), none);
+  std::vector<Triangle> taken;
+  std::map<Triangle, std::uint32_t> seen;
+  double flat = 0, duplicates = 0;
+  for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+    Triangle t;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = soup_.triangles[i][k];
+      if (number[v] == none) {
+        const auto [it, added] =
+            numbers.emplace(frame_.to_grid(soup_.points[v]), static_cast<std::uint32_t>(complex_.points.size()));
+        if (added) {
+          complex_.points.push_back(it->first);
+          vertex_of_point_.push_back(v);
+        } else {
+          merged_ = true;
+        }
+        number[v] = it->second;
+      }
+      t[k] = number[v];
+    }
+    Triangle sorted = t;
+    std::sort(sorted.begin(), sorted.end());
+    if (repeats_vertex(t)) ++flat;
+    else if (!seen.emplace(sorted, i).second) ++duplicates;
+    else {
+      taken.push_back(t);
+      triangle_of_given_.push_back(i);
+      continue;
+    }
+    dropped_ = true;
+  }
+  if (flat > 0) report.figures["triangles without extent dropped"] = flat;
+  if (duplicates > 0) report.figures["duplicates dropped"] = duplicates;
+  closed_.triangles = std::move(taken);
+}
+
+void SolidFromSoup::run(Report& report, Context& context) {
+  take_triangles(report);
+  if (closed_.triangles.empty()) return;
+  std::vector<Vec3> places;
+  for (const GridPoint& p : complex_.points) places.push_back(frame_.to_space(p));
+  const std::vector<Triangle> given = std::move(closed_.triangles);
+  closed_ = close_surface(places, given, context);
+  context.progress("make-solid", 0.1);
+  for (std::uint32_t t = 0; t < closed_.triangles.size(); ++t)
+    complex_.faces.push_back({closed_.triangles[t], t, 1, t < closed_.given});
+  const CrossingReport crossings = resolve_crossings(complex_, context);
+  context.progress("make-solid", 0.6);
+  const CellLabels labels = label_cells(complex_, context);
+  if (is_solid(crossings, labels, context)) {
+    report.figures.clear();
+    context.progress("make-solid", 1);
+    return;
+  }
+  report.faces_reversed = closed_.reversed;
+  if (closed_.holes > 0) report.figures["holes closed"] = static_cast<double>(closed_.holes);
+  if (closed_.inside_out > 0) report.figures["components turned outward"] = static_cast<double>(closed_.inside_out);
+  if (crossings.pairs > 0) {
+    report.figures["crossing pairs"] = static_cast<double>(crossings.pairs);
+    report.figures["rounds of cutting"] = static_cast<double>(crossings.rounds);
+    report.figures["faces cut"] = static_cast<double>(crossings.cut);
+  }
+  if (crossings.left > 0) report.skipped["pairs that still cross"] = crossings.left;
+  const PlacedBoundary boundary = boundary_without_contacts(labels, report, context);
+  context.progress("make-solid", 0.9);
+  const std::vector<Vec3> result = places_of(boundary, crossings.rounds > 0 || boundary.parted > 0, context);
+  Soup copy = soup_;
+  std::swap(copy, soup_);
+  try {
+    write(boundary, result, report);
+  } catch (...) {
+    std::swap(copy, soup_);
+    throw;
+  }
+  context.progress("make-solid", 1);
+}
+
+/// Whether the soup, as it is numbered, is what would come out.
+bool SolidFromSoup::is_solid(const CrossingReport& crossings, const CellLabels& labels, Context& context) const {
+  if (dropped_ || crossings.pairs > 0 || closed_.holes > 0 || closed_.reversed > 0 || closed_.inside_out > 0) return false;
+  for (std::size_t f = 0; f < complex_.faces.size(); ++f)
+    if (complex_.faces[f].net != 1 || labels.inside[f][0] || !labels.inside[f][1]) return false;
+  const SidePairs pairs = pair_sides(soup_.triangles, soup_.points.size(), context);
+  if (!pairs.crowded.empty() || !pairs.same_way.empty()) return false;
+  if (std::ranges::find(pairs.twin, SidePairs::none) != pairs.twin.end()) return false;
+  if (!vertices_with_several_fans(soup_.triangles, soup_.points.size(), pairs.twin).empty()) return false;
+  return self_intersections(soup_.points, soup_.triangles, context).empty() || merged_;
+}
+
+/// Walls inside the solid go where they are near to what stays; sheets outside only if the whole of one is.
+std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context& context) const {
+  const std::size_t n = complex_.faces.size();
+  std::vector<char> keep(n, 0);
+  std::vector<std::uint32_t> walls;
+  std::vector<Triangle> stays;
+  for (std::uint32_t f = 0; f < n; ++f) {
+    if (labels.inside[f][0] != labels.inside[f][1]) stays.push_back(complex_.faces[f].v);
+    else if (complex_.faces[f].original) walls.push_back(f);
+  }
+  if (!keep_walls_ || walls.empty()) return keep;
+  if (stays.empty()) {
+    for (const std::uint32_t f : walls) keep[f] = 1;
+    return keep;
+  }
+  std::vector<Vec3> places;
+  for (const GridPoint& p : complex_.points)
+    places.emplace_back(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+  const double reach = max_deviation_ * diagonal(complex_.points);
+  const ClosestTriangle nearest(places, stays);
+  std::vector<char> far(walls.size(), 0);
+  DisjointSets sheets(walls.size());
+  std::unordered_map<std::uint64_t, std::uint32_t> at_edge;
+  for (std::uint32_t i = 0; i < walls.size(); ++i) {
+    if (i % 1024 == 0) context.checkpoint();
+    const Triangle& v = complex_.faces[walls[i]].v;
+    const Vec3 &a = places[v[0]], &b = places[v[1]], &c = places[v[2]];
+    std::uint32_t hint = 0;
+    for (const Vec3& p : {Vec3((a + b + c) / 3.0), a, b, c, Vec3((a + b) / 2.0), Vec3((b + c) / 2.0), Vec3((c + a) / 2.0)}) {
+      const ClosestTriangle::Hit hit = nearest.closest(p, hint);
+      hint = hit.triangle;
+      if (hit.distance <= reach) continue;
+      far[i] = 1;
+      break;
+    }
+    if (labels.inside[walls[i]][0]) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t p = v[k], q = v[(k + 1) % 3];
+      const auto [it, added] = at_edge.emplace(static_cast<std::uint64_t>(std::min(p, q)) << 32 | std::max(p, q), i);
+      if (!added) sheets.join(it->second, i);
+    }
+  }
+  std::vector<char> sheet_far(walls.size(), 0);
+  for (std::uint32_t i = 0; i < walls.size(); ++i)
+    if (far[i]) sheet_far[sheets.find(i)] = 1;
+  for (std::uint32_t i = 0; i < walls.size(); ++i) keep[walls[i]] = sheet_far[sheets.find(i)];
+  return keep;
+}
+
+/// Sheets that cannot be parted go, so that nothing touches.
+PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels, Report& report, Context& context) {
+  SolidBoundaryOptions options{walls_to_keep(labels, context)};
+  const double height = std::max(1.0, plate_share * max_deviation_ * diagonal(complex_.points));
+  constexpr int tries = 6;
+  std::size_t contacts = 0;
+  for (int i = 0;; ++i) {
+    if (i == tries) std::fill(options.keep_walls.begin(), options.keep_walls.end(), 0);
+    const SolidBoundary boundary = solid_boundary(complex_, labels, options, context);
+    PlacedBoundary placed = part_sheets(complex_, boundary, height, context);
+    if (!placed.touching.empty() && i < tries) {
+      contacts += placed.touching.size();
+      for (const std::uint32_t f : placed.touching) options.keep_walls[f] = 0;
+      continue;
+    }
+    if (boundary.dropped_walls > 0) report.figures["faces inside dropped"] = static_cast<double>(boundary.dropped_walls);
+    if (boundary.doubled > 0) report.figures["faces kept as thin walls"] = static_cast<double>(boundary.doubled);
+    if (contacts > 0) report.figures["walls dropped because their sides would touch"] = static_cast<double>(contacts);
+    return placed;
+  }
+}
+
+/// Vertices keep their coordinates where nothing around them was cut, unless that makes something cross.
+std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, bool cut, Context& context) const {
+  std::vector<Vec3> places;
+  for (const GridPoint& p : boundary.points) places.push_back(frame_.to_space(p));
+  std::vector<char> whole(boundary.points.size(), 1);
+  if (cut) {
+    for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+      Triangle now;
+      for (std::size_t k = 0; k < 3; ++k) now[k] = boundary.point[boundary.triangles[t][k]];
+      Triangle was = closed_.triangles[complex_.faces[boundary.face[t]].source];
+      std::sort(now.begin(), now.end());
+      std::sort(was.begin(), was.end());
+      if (now != was)
+        for (const std::uint32_t v : boundary.triangles[t]) whole[v] = 0;
+    }
+  }
+  std::vector<Vec3> restored = places;
+  for (std::size_t i = 0; i < restored.size(); ++i)
+    if (whole[i] && boundary.point[i] < vertex_of_point_.size())
+      restored[i] = soup_.points[vertex_of_point_[boundary.point[i]]];
+  if (restored == places || self_intersections(restored, boundary.triangles, context).empty()) return restored;
+  return places;
+}
+
+void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report) {
+  const std::size_t old_points = soup_.points.size(), old_triangles = soup_.triangles.size();
+  std::vector<std::uint32_t> name(boundary.points.size(), none);
+  std::vector<char> taken(old_points, 0);
+  std::vector<char> kept(old_triangles, 0);
+  std::vector<std::pair<Triangle, std::uint32_t>> added;
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    const std::uint32_t piece_of = complex_.faces[boundary.face[t]].source;
+    const std::uint32_t source = triangle_of_given_[closed_.source[piece_of]];
+    Triangle named;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = boundary.triangles[t][k];
+      if (name[v] == none) {
+        const std::uint32_t point = boundary.point[v];
+        const std::uint32_t original = point < vertex_of_point_.size() ? vertex_of_point_[point] : none;
+        if (original != none && !taken[original]) {
+          name[v] = original;
+          taken[original] = 1;
+        } else if (original != none) {
+          name[v] = copy_point(soup_, original);
+        } else {
+          Triangle corners = closed_.triangles[piece_of];
+          for (std::uint32_t& c : corners) c = vertex_of_point_[c];
+          name[v] = add_point_in(soup_, corners, places[v]);
+        }
+      }
+      named[k] = name[v];
+    }
+    added.emplace_back(named, source);
+  }
+  // A triangle that is the same as before keeps its place, so that its attributes need no interpolation.
+  std::vector<std::pair<Triangle, std::uint32_t>> fresh;
+  for (const auto& [t, source] : added) {
+    const Triangle& was = soup_.triangles[source];
+    bool same = false;
+    for (std::size_t k = 0; k < 3; ++k) same |= t == Triangle{was[k], was[(k + 1) % 3], was[(k + 2) % 3]};
+    if (same && !kept[source]) kept[source] = 1;
+    else fresh.emplace_back(t, source);
+  }
+  for (std::size_t v = 0; v < name.size(); ++v) {
+    if (name[v] == none) continue;
+    if (name[v] < old_points) report.vertices_moved += soup_.points[name[v]] != places[v];
+    else ++report.vertices_added;
+  }
+  for (const auto& [t, source] : fresh) add_triangle_in(soup_, t, source);
+  for (std::size_t v = 0; v < name.size(); ++v)
+    if (name[v] != none) soup_.points[name[v]] = places[v];
+  report.faces_added = fresh.size();
+  kept.resize(soup_.triangles.size(), 1);
+  report.faces_removed = static_cast<std::uint64_t>(std::count(kept.begin(), kept.end(), 0));
+  keep_triangles(soup_, kept);
+  for (std::size_t t = soup_.triangles.size() - fresh.size(); t < soup_.triangles.size(); ++t)
+    report.touched_faces.push_back(static_cast<std::uint32_t>(t));
+  // Vertices that no triangle uses go.
+  std::vector<char> used(soup_.points.size(), 0);
+  for (const Triangle& t : soup_.triangles)
+    for (const std::uint32_t v : t) used[v] = 1;
+  std::vector<std::uint32_t> number(soup_.points.size());
+  std::uint32_t count = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    number[v] = used[v] ? count++ : dropped_point;
+    if (!used[v] && v < old_points) ++report.vertices_removed;
+  }
+  renumber_points(soup_, number, count);
+}
+
+}  // namespace tri

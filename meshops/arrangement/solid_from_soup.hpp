@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "meshops/arrangement/crossing_complex.hpp"
+#include "meshops/arrangement/grid_frame.hpp"
+#include "meshops/arrangement/part_sheets.hpp"
+#include "meshops/arrangement/solid_boundary.hpp"
+#include "meshops/close_surface.hpp"
+#include "meshops/context.hpp"
+#include "meshops/report.hpp"
+#include "meshops/soup.hpp"
+
+namespace tri {
+
+/// The steps of `make_solid` on one soup.
+class SolidFromSoup {
+ public:
+  /// @param max_deviation share of the diagonal
+  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls);
+
+  /// Changes the soup at the end, unless it is a solid already.
+  void run(Report& report, Context& context);
+
+ private:
+  void take_triangles(Report& report);
+  bool is_solid(const CrossingReport& crossings, const CellLabels& labels, Context& context) const;
+  std::vector<char> walls_to_keep(const CellLabels& labels, Context& context) const;
+  PlacedBoundary boundary_without_contacts(const CellLabels& labels, Report& report, Context& context);
+  void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report);
+  std::vector<Vec3> places_of(const PlacedBoundary& boundary, bool cut, Context& context) const;
+
+  Soup& soup_;
+  double max_deviation_;
+  bool keep_walls_;
+  GridFrame frame_;
+  CrossingComplex complex_;
+  std::vector<std::uint32_t> vertex_of_point_;    ///< of the complex's points: the soup's
+  std::vector<std::uint32_t> triangle_of_given_;  ///< of the triangles handed to `close_surface`: the soup's
+  ClosedSurface closed_;
+  bool dropped_ = false;  ///< a triangle of the soup was not handed on
+  bool merged_ = false;   ///< a triangle of the soup has not got its own vertices
+};
+
+}  // namespace tri

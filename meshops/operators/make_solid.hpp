@@ -1,0 +1,38 @@
+#pragma once
+
+#include "meshops/context.hpp"
+#include "meshops/options.hpp"
+#include "meshops/report.hpp"
+#include "meshops/soup.hpp"
+
+namespace tri {
+
+struct MakeSolidOptions {
+  /// Share of the diagonal of the bounding box: what lies inside the solid, or sticks out of it as a sheet, goes where it is
+  /// nowhere farther than this from what stays.
+  double max_deviation = 5e-4;
+  /// What lies inside the solid and farther away than that stays as the two sides of a gap, and a sheet outside as a plate,
+  /// both thinner than max_deviation; else it goes.
+  bool keep_walls = true;
+
+  static const OptionSchema& schema();
+};
+
+/// Turns triangles with any topology and any crossings into the boundary of a solid: closed, manifold, facing outward and
+/// free of self-intersections.
+///
+/// Vertices within 2^-28 of the extent of each other count as one, triangles that are there twice as one. Holes are closed
+/// (`close_surface`), triangles are cut along each other (`resolve_crossings`), the cells between them are inside where the
+/// surface winds round them [Jacobson et al. 2013; Zhou et al. 2016], and each component of what then hangs together becomes
+/// the boundary of its inside. Nothing of the surface is lost beyond `max_deviation`: walls inside stay as thin gaps, open
+/// sheets as thin plates. A solid that is right already is returned bit for bit; of others vertices away from
+/// crossings keep their coordinates, those at crossings move by up to 2^-20 of the extent where triangles cross at small angles
+/// (rarely up to 2^-13). Attributes are interpolated within the triangle that a new vertex lies on.
+///
+/// Figures: "holes closed", "crossing pairs", "rounds of cutting", "faces inside dropped", "faces kept as thin walls",
+/// "duplicates dropped", "triangles reversed". `skipped`: "pairs that still cross" (then the result is not free of
+/// self-intersections). `touched_faces` are those that are new.
+/// @throws InvalidInput if an option is out of range or the soup is inconsistent; Cancelled. The soup is then as it was.
+Report make_solid(Soup& soup, const MakeSolidOptions& options, Context& context);
+
+}  // namespace tri
