@@ -124,7 +124,7 @@ void SolidFromSoup::run(Report& report, Context& context) {
   if (crossings.left > 0) report.skipped["pairs that still cross"] = crossings.left;
   const PlacedBoundary boundary = boundary_without_contacts(labels, report, context);
   context.progress("make-solid", 0.9);
-  const std::vector<Vec3> result = places_of(boundary, crossings.rounds > 0 || boundary.parted > 0, context);
+  const std::vector<Vec3> result = places_of(boundary, labels, context);
   Soup copy = soup_;
   std::swap(copy, soup_);
   try {
@@ -219,26 +219,26 @@ PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels
   }
 }
 
-/// Vertices keep their coordinates where nothing around them was cut, unless that makes something cross.
-std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, bool cut, Context& context) const {
+/// Parts in which nothing was cut or parted keep their coordinates, unless that makes something cross.
+std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const CellLabels& labels, Context& context) const {
+  std::vector<char> touched(complex_.faces.size(), 0);  // of parts
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    const std::uint32_t face = boundary.face[t];
+    Triangle now;
+    for (std::size_t k = 0; k < 3; ++k) now[k] = boundary.point[boundary.triangles[t][k]];
+    Triangle was = closed_.triangles[complex_.faces[face].source];
+    std::sort(now.begin(), now.end());
+    std::sort(was.begin(), was.end());
+    if (now != was) touched[labels.part[face]] = 1;
+  }
   std::vector<Vec3> places;
   for (const GridPoint& p : boundary.points) places.push_back(frame_.to_space(p));
-  std::vector<char> whole(boundary.points.size(), 1);
-  if (cut) {
-    for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
-      Triangle now;
-      for (std::size_t k = 0; k < 3; ++k) now[k] = boundary.point[boundary.triangles[t][k]];
-      Triangle was = closed_.triangles[complex_.faces[boundary.face[t]].source];
-      std::sort(now.begin(), now.end());
-      std::sort(was.begin(), was.end());
-      if (now != was)
-        for (const std::uint32_t v : boundary.triangles[t]) whole[v] = 0;
-    }
-  }
   std::vector<Vec3> restored = places;
-  for (std::size_t i = 0; i < restored.size(); ++i)
-    if (whole[i] && boundary.point[i] < vertex_of_point_.size())
-      restored[i] = soup_.points[vertex_of_point_[boundary.point[i]]];
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    if (touched[labels.part[boundary.face[t]]]) continue;
+    for (const std::uint32_t v : boundary.triangles[t])
+      if (boundary.point[v] < vertex_of_point_.size()) restored[v] = soup_.points[vertex_of_point_[boundary.point[v]]];
+  }
   if (restored == places || self_intersections(restored, boundary.triangles, context).empty()) return restored;
   return places;
 }

@@ -29,7 +29,7 @@ class SolidFromSoup {
   std::vector<char> walls_to_keep(const CellLabels& labels, Context& context) const;
   PlacedBoundary boundary_without_contacts(const CellLabels& labels, Report& report, Context& context);
   void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report);
-  std::vector<Vec3> places_of(const PlacedBoundary& boundary, bool cut, Context& context) const;
+  std::vector<Vec3> places_of(const PlacedBoundary& boundary, const CellLabels& labels, Context& context) const;
 
   Soup& soup_;
   double max_deviation_;

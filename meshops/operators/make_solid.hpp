@@ -25,9 +25,9 @@ struct MakeSolidOptions {
 /// (`close_surface`), triangles are cut along each other (`resolve_crossings`), the cells between them are inside where the
 /// surface winds round them [Jacobson et al. 2013; Zhou et al. 2016], and each component of what then hangs together becomes
 /// the boundary of its inside. Nothing of the surface is lost beyond `max_deviation`: walls inside stay as thin gaps, open
-/// sheets as thin plates. A solid that is right already is returned bit for bit; of others vertices away from
-/// crossings keep their coordinates, those at crossings move by up to 2^-20 of the extent where triangles cross at small angles
-/// (rarely up to 2^-13). Attributes are interpolated within the triangle that a new vertex lies on.
+/// sheets as thin plates. A solid that is right already is returned bit for bit; of others the parts without crossings and
+/// walls keep their coordinates, the rest moves to a grid of 2^-28 of the extent, and by up to 2^-20 of it where triangles cross
+/// at small angles (rarely up to 2^-13). Attributes are interpolated within the triangle that a new vertex lies on.
 ///
 /// Figures: "holes closed", "crossing pairs", "rounds of cutting", "faces inside dropped", "faces kept as thin walls",
 /// "duplicates dropped", "triangles reversed". `skipped`: "pairs that still cross" (then the result is not free of
