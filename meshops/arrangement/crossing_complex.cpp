@@ -58,7 +58,7 @@ class Resolver {
       }
       ++report.rounds;
       report.reach = reach_;
-      report.cut += cut();
+      report.cut += cut(false);
       unite();
     }
     return report;
@@ -140,7 +140,7 @@ class Resolver {
       forget_cuts();
       find_near();
       if (pool_.empty()) return;
-      cut();
+      cut(true);
       unite();
       find();
     }
@@ -336,7 +336,8 @@ class Resolver {
   }
 
   /// Replaces every face with a cut by its pieces; the pieces are fresh.
-  std::size_t cut() {
+  /// @param others_stay_fresh  because their crossings are still to be cut
+  std::size_t cut(bool others_stay_fresh) {
     std::stable_sort(edge_points_.begin(), edge_points_.end(),
                      [](const EdgePoint& a, const EdgePoint& b) { return a.edge < b.edge; });
     std::unordered_map<EdgeKey, std::vector<std::uint32_t>> on_edge;
@@ -364,7 +365,7 @@ class Resolver {
         }
       if (!touched) {
         kept.push_back(c_.faces[f]);
-        fresh.push_back(0);
+        fresh.push_back(static_cast<char>(others_stay_fresh && fresh_[f]));
         continue;
       }
       ++cuts;
