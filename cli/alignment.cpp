@@ -140,4 +140,17 @@ void require_fit(const AlignResult& result, double factor) {
   throw Error(text);
 }
 
+std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model, const Registration* registration,
+                                        PointSet& set, double factor, Program& program) {
+  const AlignOptions options = align_options(input, factor);
+  if (options.mode == AlignMode::none && !options.start) return std::nullopt;
+  std::optional<Registration> own;
+  if (!registration) registration = &own.emplace(model, program.context);
+  AlignResult result = align(model, *registration, set.points, set.normals, options, program.context);
+  require_fit(result, factor);
+  if (!result.pose.is_identity())
+    for (Vec3& p : set.points) p = result.pose(p);
+  return result;
+}
+
 }  // namespace tri::cli

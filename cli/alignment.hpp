@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "cli/points_input.hpp"
@@ -36,5 +37,12 @@ std::string unit_option(const AlignResult& result, double factor);
 
 /// @throws Error with numbers if the points do not fit the model. @param factor as `unit_option`
 void require_fit(const AlignResult& result, double factor);
+
+/// Moves the points onto the model as the options say; nothing where they are to be taken as they are.
+/// @param registration  of the model; null: one is made if it is needed
+/// @param factor  as `unit_option`
+/// @throws Error if they do not fit, and as `align_options` and `align`
+std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model, const Registration* registration,
+                                        PointSet& set, double factor, Program& program);
 
 }  // namespace tri::cli

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "cli/alignment.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_input.hpp"
 #include "cli/number_checks.hpp"
@@ -24,6 +25,7 @@ struct Arguments {
   ModelInput model;
   std::string points, output, report;
   PointUnits units;
+  AlignInput align{.mode = "none", .pose = "", .pairs = ""};
   double far = 0;  // mm; 0 for a share of the diagonal
   bool json = false;
 };
@@ -60,6 +62,7 @@ Json report_json(const Summary& s, const CadModel& model, const Arguments& a, co
                  const Json& seconds) {
   Json options{{"cad", a.model.path}, {"points", a.points}, {"sew", a.model.sew}, {"far", s.far_distance}};
   options.update(to_json(a.units, file));
+  options.update(to_json(a.align));
   const ValueStatistics& d = s.deviation;
   Json json{{"version", version},
             {"options", options},
@@ -127,26 +130,30 @@ int run(const Arguments& a, Program& program) {
     seconds[step] = std::chrono::duration<double>(now - last).count();
     last = now;
   };
+  PointsInBackground background(a.points, a.units, program);
   const CadModel model = read_model(a.model, program);
-  time("read_model");
   PointsFileInfo file;
-  const PointSet set = read_points_in_mm(a.points, a.units, program, &file);
-  time("read_points");
+  PointSet set = background.get(&file);
+  time("read");
   const Registration registration(model, context);
   time("index_model");
+  const std::optional<AlignResult> alignment =
+      align_points(a.align, model, &registration, set, factor_of(a.units, file), program);
+  time("align");
   const std::vector<Foot> feet = registration.register_points(set.points, context);
   time("register");
   const Summary summary = summarise(feet, model, a, context);
   context.checkpoint();
   write_registration(a.output, set.points, feet, model, context);
   time("write");
-  const Json report = report_json(summary, model, a, file, seconds);
+  Json report = report_json(summary, model, a, file, seconds);
+  if (alignment) report["alignment"] = to_json(*alignment);
   if (!a.report.empty()) write_json(a.report, report);
   if (!program.quiet) warn_of_far_points(summary);
   if (a.json)
     print_result(report);
   else
-    print_result(report_text(summary, model, a));
+    print_result((alignment ? alignment_text(*alignment) : "") + report_text(summary, model, a));
   return exit_done;
 }
 
@@ -158,7 +165,7 @@ void add_register_command(CLI::App& app, Program& program) {
   const auto a = std::make_shared<Arguments>();
   add_model_options(*command, a->model);
   command
-      ->add_option("points", a->points, "Points in the model's frame: any file that `tri info` knows as points, or \"-\"")
+      ->add_option("points", a->points, "Points: any file that `tri info` knows as points, or \"-\"; taken as they are unless --align or --pose says more")
       ->required();
   command->add_option("-o,--output", a->output, "Where each point lies: .csv, or .ply with the same as properties")
       ->required()
@@ -170,17 +177,19 @@ void add_register_command(CLI::App& app, Program& program) {
                    "hundredth of the model's diagonal")
       ->check(above_zero());
   add_units_option(*command, a->units);
+  add_align_options(*command, a->align);
   command->add_flag("--json", a->json, "The summary as JSON on standard output");
   add_common_options(*command, program);
   command->footer(
       "The CSV file has the header index,x,y,z,face,u,v,fx,fy,fz,deviation,on_edge and one line a point, in the order\n"
-      "of the points: (x,y,z) the point in mm, face the number of the closest face, (u,v) on that face's own surface,\n"
+      "of the points: (x,y,z) the point in mm, aligned if asked for, face the number of the closest face, (u,v) on that face's own surface,\n"
       "(fx,fy,fz) the closest point on the trimmed model, deviation positive outside, on_edge 1 where that closest\n"
       "point lies on a trimming curve. In PLY index and face are called point_index and cad_face. Points on an edge\n"
-      "belong to the adjacent face of the lowest number. The points are taken as they are, not aligned.\n\n"
+      "belong to the adjacent face of the lowest number.\n\n"
       "Examples:\n"
       "  tri register --cad part.step scan.xyz -o registered.csv\n"
-      "  tri register --cad lid.igs lid.xyz -o lid.ply --report lid.json");
+      "  tri register --cad lid.igs lid.xyz -o lid.ply --report lid.json\n"
+      "  tri register --cad part.step scan.xyz --align auto -o registered.csv");
   command->callback([a, &program] {
     require_extension(a->output, {"csv", "ply"}, "the output");
     if (!std::isfinite(a->far)) throw UsageError("--far is not a finite number");

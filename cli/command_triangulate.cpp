@@ -64,18 +64,6 @@ void write(const std::string& path, Mesh& mesh, const PointSet& set, const Prepa
   for (const std::string& note : written.notes) print_note(path + ": " + note);
 }
 
-// Moves the points onto the model; nothing where they are to be taken as they are.
-std::optional<AlignResult> align_points(const Arguments& a, const CadModel& model, PointSet& set, double factor, Program& program) {
-  const AlignOptions options = align_options(a.align, factor);
-  if (options.mode == AlignMode::none && !options.start) return std::nullopt;
-  const Registration registration(model, program.context);
-  AlignResult result = align(model, registration, set.points, set.normals, options, program.context);
-  require_fit(result, factor);
-  if (!result.pose.is_identity())
-    for (Vec3& p : set.points) p = result.pose(p);
-  return result;
-}
-
 int run(const Arguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.report, a.patches})
@@ -85,7 +73,7 @@ int run(const Arguments& a, Program& program) {
   PointsFileInfo file;
   PointSet set = background.get(&file);
   const PreparedPoints prepared = prepare(set, a.preparation, context);
-  const std::optional<AlignResult> alignment = align_points(a, model, set, factor_of(a.units, file), program);
+  const std::optional<AlignResult> alignment = align_points(a.align, model, nullptr, set, factor_of(a.units, file), program);
   TriangulateResult result = triangulate(model, set.points, options_of(a), context);
   context.checkpoint();
 

@@ -1,6 +1,7 @@
 // Runs `tri register`.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -85,6 +86,24 @@ TEST_CASE("tri register: converts units, names points that are far away, and say
   // A wider limit takes the point in.
   const Outcome wide = run_tri({"register", "--cad", "cap.step", "one.xyz", "--far", "5000", "-o", "r.ply", "--json"}, folder.path());
   CHECK(json::parse(wide.out)["far"]["points"] == 0);
+}
+
+TEST_CASE("tri register: takes the points as they are, or moved as a pose says") {
+  const TemporaryFolder folder;
+  REQUIRE(run_tri({"model", "bracket", "-o", "part.step"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "300", "--move", "-o", "scan.xyz"}, folder.path()).exit_code == 0);
+  const auto farthest = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"register", "--cad", "part.step", "scan.xyz", "-o", "r.csv", "--report", "r.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    REQUIRE(run_tri(words, folder.path()).exit_code == 0);
+    double most = 0;
+    for (const auto& row : rows(folder / "r.csv", header)) most = std::max(most, std::abs(row[10]));
+    return most;
+  };
+  CHECK(farthest({}) > 1);
+  CHECK(!json::parse(file_bytes(folder / "r.json")).contains("alignment"));
+  CHECK(farthest({"--pose", "scan.pose.json"}) < 1e-6);
+  CHECK(json::parse(file_bytes(folder / "r.json"))["alignment"]["pose"].contains("matrix"));
 }
 
 TEST_CASE("tri register: refuses what it cannot use and leaves nothing") {
