@@ -20,10 +20,12 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <gp_Circ.hxx>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -337,6 +339,37 @@ TEST_CASE("registration: cancel stops it, progress runs from 0 to 1") {
   CHECK(last == 1);
   context.cancel();
   CHECK_THROWS_AS(registration.register_points(points, context), Cancelled);
+}
+
+TEST_CASE("registration: reading a model and indexing it report progress and stop at every checkpoint when cancelled") {
+  const Shape shape = example_part("fillet-block");
+  const auto run = [&](Context& context) { return Registration(make_cad_model(shape, 0.01, context), context); };
+  std::map<std::string, double> last;
+  std::atomic<int> checkpoints{0};
+  Context context;
+  context.threads = 1;
+  context.on_progress = [&](std::string_view step, double share) {
+    double& before = last.try_emplace(std::string(step), 0).first->second;
+    CHECK(share >= before);
+    before = share;
+  };
+  context.on_checkpoint = [&] { ++checkpoints; };
+  const Registration registration = run(context);
+  CHECK(last.at("read faces") == 1);
+  CHECK(last.at("index model") == 1);
+  const int all = checkpoints;
+  REQUIRE(all > 100);
+  for (const int stop : {1, 2, all / 2, all - 1, all}) {
+    CAPTURE(stop);
+    Context cancelled;
+    cancelled.threads = 1;
+    int reached = 0;
+    cancelled.on_checkpoint = [&] {
+      if (++reached == stop) cancelled.cancel();
+    };
+    CHECK_THROWS_AS(run(cancelled), Cancelled);
+    CHECK(reached <= stop + 1);
+  }
 }
 
 TEST_CASE("registration: no points, no feet") {
