@@ -98,7 +98,7 @@ bool repeats_vertex(const Triangle& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-std::size_t count_edges(const std::vector<std::int32_t>& twin) {
+std::size_t count_edges(const SidePairs::Sides& twin) {
   std::size_t alone = 0;
   for (const std::int32_t t : twin) alone += t == none;
   return (twin.size() + alone) / 2;
@@ -109,7 +109,7 @@ constexpr std::size_t link_block = 1 << 14;  // triangles
 /// Writes all links of a manifold triangle list. `twin` is used up: entries become half-edge numbers.
 ///
 /// Edges are numbered by their first side, which owns them; counted by blocks, so that every block knows its first number.
-void link(std::span<const Triangle> triangles, std::size_t vertices, std::vector<std::int32_t>& twin, Mesh& mesh) {
+void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::Sides& twin, Mesh& mesh) {
   mesh.resize(vertices, count_edges(twin), triangles.size());
   const std::size_t n_blocks = (triangles.size() + link_block - 1) / link_block;
   const auto for_blocks = [&](const auto& visit) {
@@ -260,19 +260,20 @@ void in_arena(const Context& context, const Work& work) {
 }
 
 /// For each side the side of the known neighbour on the same edge.
-std::vector<std::int32_t> twins_of_neighbors(std::span<const Triangle> triangles,
+SidePairs::Sides twins_of_neighbors(std::span<const Triangle> triangles,
                                              std::span<const std::array<std::int32_t, 3>> neighbors) {
   if (neighbors.size() != triangles.size())
     throw InvalidInput(fmt::format("{} triples of neighbours for {} triangles", neighbors.size(), triangles.size()));
-  std::vector<std::int32_t> twin(3 * triangles.size(), none);
+  SidePairs::Sides twin(3 * triangles.size());
   std::atomic<std::size_t> first_misfit{twin.size()};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), link_block), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       for (int k = 0; k < 3; ++k) {
         // The side from corner k lies opposite corner k - 1.
         const std::int32_t other = neighbors[i][k == 0 ? 2 : k - 1];
-        if (other == -1) continue;
         std::int32_t& entry = twin[3 * i + k];
+        entry = none;
+        if (other == -1) continue;
         const std::uint32_t from = triangles[i][k], to = triangles[i][k == 2 ? 0 : k + 1];
         if (other >= 0 && other < static_cast<std::int32_t>(triangles.size())) {
           for (int j = 0; j < 3; ++j)

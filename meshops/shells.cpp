@@ -79,7 +79,7 @@ class ShellFinder {
   bool reversed(Side side) const { return result_.reversed[source_[static_cast<std::size_t>(side / 3)]] != 0; }
 
   void collect(Context& context) {
-    std::vector<Side> partner = pairs_.twin;
+    SidePairs::Sides partner = pairs_.twin;
     std::vector<char> same(partner.size(), 0);
     for (const auto& [a, b] : pairs_.same_way) {
       if (apex(a) == apex(b)) continue;

@@ -124,8 +124,8 @@ std::vector<std::uint32_t> vertices_with_several_fans(std::span<const Triangle> 
                                                       std::span<const std::int32_t> twin) {
   // A fan is walked counter-clockwise; an open one has to be entered at its first triangle, whose side has no twin.
   std::vector<std::int32_t> first(points, SidePairs::none);
-  for (std::size_t side = 0; side < twin.size(); ++side)
-    first[triangles[side / 3][side % 3]] = static_cast<std::int32_t>(side);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) first[triangles[i][k]] = static_cast<std::int32_t>(3 * i) + k;
   for (std::size_t side = 0; side < twin.size(); ++side)
     if (twin[side] == SidePairs::none) first[triangles[side / 3][side % 3]] = static_cast<std::int32_t>(side);
   const auto fan_size = [&](std::size_t v) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshops/context.hpp"
+#include "meshops/plain_vector.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
@@ -15,9 +16,10 @@ namespace tri {
 /// corner to the next one.
 struct SidePairs {
   static constexpr std::int32_t none = -1;
+  using Sides = PlainVector<std::int32_t>;  ///< `resize` leaves new entries unset
 
   /// 3 x triangles entries: the side that runs the other way along the same edge, or `none`.
-  std::vector<std::int32_t> twin;
+  Sides twin;
   /// Two sides alone on an edge that run the same way; they have no twin yet.
   std::vector<std::array<std::int32_t, 2>> same_way;
   /// Three or more sides on one edge, in increasing order; they have no twin yet.
