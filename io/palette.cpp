@@ -46,4 +46,12 @@ Vec3 sequential_color(double t) {
   return between(anchors, t);
 }
 
+Vec3 deviation_color(double value, const DeviationScale& scale) {
+  if (std::isnan(value)) return missing_color();
+  if (scale.tolerance && value < scale.low) return {0.00, 0.74, 0.80};
+  if (scale.tolerance && value > scale.high) return {0.85, 0.00, 0.62};
+  const double neutral = scale.low < 0 && scale.high > 0 ? 0 : 0.5 * (scale.low + scale.high);
+  return diverging_color((value - neutral) / (value < neutral ? neutral - scale.low : scale.high - neutral));
+}
+
 }  // namespace tri
