@@ -7,6 +7,7 @@ namespace tri::cli {
 /// Each adds one command to the application: its options, its help with an example, and what it does in `program.action`.
 void add_align_command(CLI::App& app, Program& program);
 void add_check_command(CLI::App& app, Program& program);
+void add_compare_command(CLI::App& app, Program& program);
 void add_info_command(CLI::App& app, Program& program);
 void add_model_command(CLI::App& app, Program& program);
 void add_ops_command(CLI::App& app, Program& program);

@@ -121,6 +121,7 @@ int main(int argc, char** argv) {
   add_sample_command(app, program);
   add_model_command(app, program);
 #endif
+  add_compare_command(app, program);
   add_info_command(app, program);
   add_check_command(app, program);
   add_repair_command(app, program);

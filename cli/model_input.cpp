@@ -8,8 +8,8 @@
 
 namespace tri::cli {
 
-void add_model_options(CLI::App& command, ModelInput& input) {
-  command.add_option("--cad", input.path, "CAD model: IGES, STEP or BREP")->required()->type_name("FILE");
+void add_model_options(CLI::App& command, ModelInput& input, bool required) {
+  command.add_option("--cad", input.path, "CAD model: IGES, STEP or BREP")->required(required)->type_name("FILE");
   command.add_option("--sew", input.sew, "Distance in mm at which loose CAD faces are joined")
       ->check(CLI::Range(1e-9, 1e9))
       ->capture_default_str();

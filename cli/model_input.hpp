@@ -13,8 +13,8 @@ struct ModelInput {
   double sew = 0.01;  ///< mm
 };
 
-/// Adds --cad, which is required, and --sew to a command.
-void add_model_options(CLI::App& command, ModelInput& input);
+/// Adds --cad and --sew to a command.
+void add_model_options(CLI::App& command, ModelInput& input, bool required = true);
 
 /// The model of the file; what the reader could not use or had to repair is said on standard error at once.
 /// @throws as `read_cad` and `make_cad_model`

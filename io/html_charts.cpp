@@ -20,7 +20,7 @@ std::vector<double> ticks(double low, double high, int wanted) {
   const double share = raw / power;
   const double step = power * (share < 1.5 ? 1 : share < 3.5 ? 2 : share < 7.5 ? 5 : 10);
   std::vector<double> result;
-  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) result.push_back(k * step);
+  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) result.push_back(k * step + 0.0);  // no -0
   return result;
 }
 
@@ -54,10 +54,10 @@ std::string css_color(const Vec3& color) {
 }
 
 std::string legend_svg(const DeviationScale& scale, const std::string& unit) {
-  constexpr double left = 8, width = 18, top = 46, height = 240, cap = 18;
+  constexpr double left = 8, width = 18, top = 52, height = 240, cap = 18, gap = 9;
   constexpr int steps = 120;
   std::string svg = fmt::format(
-      R"(<svg class="legend" viewBox="0 0 120 {:.0f}" role="img" aria-label="Colours of the deviation">)", top + height + 46);
+      R"(<svg class="legend" viewBox="0 0 120 {:.0f}" role="img" aria-label="Colours of the deviation">)", top + height + cap + gap + 4);
   svg += fmt::format(R"(<text x="{:.0f}" y="14" class="legend-title">deviation, {}</text>)", left, html_escape(unit));
   for (int i = 0; i < steps; ++i) {
     const double value = scale.high - (scale.high - scale.low) * (i + 0.5) / steps;
@@ -83,7 +83,7 @@ std::string legend_svg(const DeviationScale& scale, const std::string& unit) {
   if (scale.tolerance) {
     const double step = scale.high - scale.low;
     for (const bool above : {true, false}) {
-      const double y = above ? top - cap - 4 : top + height + 4;
+      const double y = above ? top - cap - gap : top + height + gap;
       svg += fmt::format(R"(<rect x="{:.0f}" y="{:.0f}" width="{:.0f}" height="{:.0f}" fill="{}" stroke="{}"/>)", left, y, width, cap,
                          css_color(deviation_color(above ? scale.high + step : scale.low - step, scale)), ink);
       svg += fmt::format(R"(<text x="{:.0f}" y="{:.0f}">{}</text>)", left + width + 9, y + cap / 2 + 4, above ? "above" : "below");

@@ -85,7 +85,7 @@ std::string base64(std::string_view bytes) {
 
 int decimals_for(double range) {
   if (!(range > 0) || !std::isfinite(range)) return 3;
-  return std::clamp(3 - static_cast<int>(std::floor(std::log10(range))), 0, 9);
+  return std::clamp(3 - static_cast<int>(std::floor(std::log10(2 * range))), 0, 9);
 }
 
 }  // namespace tri

@@ -21,7 +21,7 @@ std::string base64_of(std::span<const Value> values) {
   return base64({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
 }
 
-/// How many decimals show numbers of a range about 0 to four digits: 4 for 0.1, 2 for 50; 0 to 9.
+/// How many decimals show numbers of a range about 0 well: 4 for 0.05 to 0.49, 3 for 0.5, 1 for 50; 0 to 9.
 int decimals_for(double range);
 
 }  // namespace tri

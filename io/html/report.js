@@ -134,7 +134,7 @@
           vec3 light = normalize(vec3(-0.25, 0.35, 1.0));
           float diffuse = max(dot(n, light), 0.0);
           float gleam = pow(max(dot(n, normalize(light + vec3(0.0, 0.0, 1.0))), 0.0), 40.0);
-          gl_FragColor = vec4(colorOf(vDeviation, vDim) * (0.42 + 0.62 * diffuse) + 0.07 * gleam, 1.0);
+          gl_FragColor = vec4(colorOf(vDeviation, vDim) * (0.55 + 0.50 * diffuse) + 0.07 * gleam, 1.0);
         }`
     });
   }
@@ -149,7 +149,7 @@
           vDeviation = deviation;
           vDim = dim;
           gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-          gl_Position.z -= 0.004 * gl_Position.w;  // before the surface that the points lie on
+          gl_Position.z -= 0.0013;  // 0.4% of the radius before the surface that the points lie on
           gl_PointSize = size;
         }`,
       fragmentShader: colorSource + `
@@ -178,11 +178,11 @@
 
   // The camera looks along -z of a frame that `turn` takes the part into; `shift` is what lies in the middle of the picture.
   const box = byId("canvas");
-  const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -20 * radius, 20 * radius);
+  const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -3 * radius, 3 * radius);
   const turn = new THREE.Quaternion();
   const shift = new THREE.Vector3();
   let zoom = 1, width = 1, height = 1;
-  const legendWidth = 110;
+  const legendWidth = 128;
 
   function lookFrom(direction, up) {
     const z = direction.clone().normalize();
@@ -233,7 +233,7 @@
     if (!isSurface) {
       // About as wide as the points are apart, within what can be seen and does not hide the part.
       const apart = Math.sqrt(4 * radius * radius / Math.max(1, data.scene.vertices)) * zoom;
-      part.material.uniforms.size.value = Math.min(9, Math.max(3, 0.9 * apart)) * ratio;
+      part.material.uniforms.size.value = Math.min(9, Math.max(2.5, 0.75 * apart)) * ratio;
     }
     renderer.render(world, camera);
     placePins();
