@@ -5,6 +5,7 @@
 
 #include "cli/compare_options.hpp"
 #include "cli/deviation_report.hpp"
+#include "cli/page_parts.hpp"
 #include "libtri/tessellation.hpp"
 
 namespace tri::cli {
@@ -53,7 +54,7 @@ int compare_with_model(const CompareOptions& o, Program& program) {
   report.triangles = soup.triangles.size();
   report.model = &model;
   report.deviations = &d;
-  report.scale = scale_of(d, report.options);
+  report.scale = scale_of(counted_values(d), o.tolerance);
   report.options_json = to_json(o);
   report.facts = {{"Alignment", "none: compared as they lie"}, {"Made", date_now()}};
   if (report.triangles > 0) report.notes.push_back("The vertices of the mesh were measured, not the insides of its triangles.");

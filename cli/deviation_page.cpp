@@ -1,39 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "cli/deviation_report.hpp"
+#include "cli/page_parts.hpp"
 #include "cli/program.hpp"
 #include "io/html_text.hpp"
 
 namespace tri::cli {
 namespace {
 
-constexpr int bins = 60;
-
 const char* name_of_one(const DeviationReport& r) { return r.triangles > 0 ? "vertex" : "point"; }
 const char* name_of_many(const DeviationReport& r) { return r.triangles > 0 ? "vertices" : "points"; }
-
-std::string percent(const ValueStatistics& s) {
-  return s.count == 0 ? "" : fmt::format("{:.2f} %", 100.0 * static_cast<double>(s.in_tolerance) / static_cast<double>(s.count));
-}
-
-// From the tolerance or the bulk of the values, whichever reaches farther, with some air.
-std::optional<Histogram> histogram_of(std::vector<double> values, const DeviationScale& scale) {
-  if (values.empty()) return std::nullopt;
-  std::vector<double> order = values;
-  double low = std::min(scale.low, percentile(order, 0.002)), high = std::max(scale.high, percentile(order, 0.998));
-  const double air = 0.05 * (high - low);
-  low -= air, high += air;
-  return histogram(values, low, high, bins);
-}
-
-std::string place(const Vec3& p, int decimals) {
-  return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", p[0], decimals, p[1], decimals, p[2], decimals);
-}
 
 HtmlTable face_table(const DeviationReport& r, int decimals) {
   const bool tolerance = r.options.tolerance.has_value();
@@ -86,28 +65,18 @@ void add_figures(HtmlReport& page, const DeviationReport& r, int decimals) {
 
 }  // namespace
 
-std::string date_now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
-  return text;
-}
-
 HtmlReport deviation_page(const DeviationReport& r, std::span<const Foot> feet) {
   const Deviations& d = *r.deviations;
   const ValueStatistics& s = d.overall;
   const int decimals = decimals_for(std::max(std::abs(r.scale.low), std::abs(r.scale.high)));
   const auto faces_met = std::count_if(d.per_face.begin(), d.per_face.end(), [](const FaceDeviation& f) { return f.statistics.count > 0; });
   HtmlReport page;
-  const auto slash = r.measured.rfind('/');
-  page.title = slash == std::string::npos ? r.measured : r.measured.substr(slash + 1);
+  page.title = file_name(r.measured);
   page.facts = {{"CAD model", fmt::format("{} ({} faces)", r.cad, d.per_face.size())},
                 {"Measured", fmt::format("{} ({} {})", r.measured, with_commas(d.values.size()),
                                          r.triangles > 0 ? fmt::format("vertices, {} triangles", with_commas(r.triangles)) : "points")},
                 {"Faces measured", fmt::format("{} of {}", faces_met, d.per_face.size())},
-                {"Tolerance", r.options.tolerance ? fmt::format("{:+g} to {:+g} mm", r.options.tolerance->low, r.options.tolerance->high) : "none given"}};
+                {"Tolerance", tolerance_text(r.options.tolerance)}};
   page.facts.insert(page.facts.end(), r.facts.begin(), r.facts.end());
   page.scale = r.scale;
   page.scale_note = "Signed distance from the model, positive outside. " + scale_note(r.scale, "mm");
@@ -116,31 +85,22 @@ HtmlReport deviation_page(const DeviationReport& r, std::span<const Foot> feet) 
     page.notes.push_back(fmt::format("Face {} of the model is unusable and was not compared: {}", f.index, f.reason));
   if (s.count > 0) {
     add_figures(page, r, decimals);
-    std::vector<double> counted;
-    counted.reserve(d.values.size());
-    for (std::size_t i = 0, k = 0; i < d.values.size(); ++i) {
-      if (k < d.far.size() && d.far[k] == i)
-        ++k;
-      else
-        counted.push_back(d.values[i]);
-    }
-    page.histogram = histogram_of(std::move(counted), r.scale);
+    page.histogram = histogram_to_show(counted_values(d), r.scale);
     page.mean = s.mean;
   } else {
     page.notes.push_back("No point is near enough to be counted.");
   }
-  const int place_decimals = decimals_for(r.model->diagonal);
   page.spot_columns = {{"deviation", true}, {"face", true}, {"place, mm"}};
   for (const DeviationSpot& spot : d.spots) {
     const std::array<float, 3>& n = feet[spot.point].normal;
     page.spots.push_back({spot.position, Vec3(n[0], n[1], n[2]),
                           fmt::format("{:+.{}f} mm   face {}\n{} {}", spot.deviation, decimals, spot.face, name_of_one(r), spot.point),
-                          {fmt::format("{:+.{}f}", spot.deviation, decimals), std::to_string(spot.face), place(spot.position, place_decimals)}});
+                          {fmt::format("{:+.{}f}", spot.deviation, decimals), std::to_string(spot.face), place_text(spot.position, r.model->diagonal)}});
   }
   page.tables.push_back(face_table(r, decimals));
   if (!d.far.empty()) page.tables.push_back(far_table(r));
   page.blocks = r.blocks;
-  page.blocks.push_back({"Options", r.options_json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)});
+  page.blocks.push_back(options_block(r.options_json));
   return page;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cli/page_parts.hpp"
 #include "cli/program.hpp"
 #include "io/html_text.hpp"
 #include "meshops/version.hpp"
@@ -12,16 +13,6 @@ namespace tri::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json to_json(const Vec3& p) { return {p[0], p[1], p[2]}; }
-
-// A field of a CSV file [RFC 4180].
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + '"';
-}
 
 std::string csv_numbers(const ValueStatistics& s, bool tolerance) {
   if (s.count == 0) return tolerance ? "0,,,,,,,,,0," : "0,,,,,,,,,,";
@@ -42,40 +33,6 @@ std::string row(const std::string& name, const ValueStatistics& s, int decimals,
 
 }  // namespace
 
-DeviationScale scale_of(const Deviations& d, const DeviationOptions& options) {
-  if (options.tolerance) return {options.tolerance->low, options.tolerance->high, true};
-  const double reach = d.shown > 0 ? d.shown : 1e-6;
-  return {-reach, reach, false};
-}
-
-std::string scale_note(const DeviationScale& scale, const std::string& unit) {
-  if (scale.tolerance)
-    return fmt::format("The colours end at the tolerance, {:+} to {:+} {}; beyond it they are cyan and magenta.", scale.low, scale.high,
-                       unit);
-  return fmt::format("No tolerance was given: the colours end at {0:+} and {1:+} {2}, which 98% of the points do not exceed.", scale.low,
-                     scale.high, unit);
-}
-
-Json to_json(const ValueStatistics& s, bool tolerance) {
-  Json json{{"points", s.count}};
-  const auto number = [&](const char* key, double value) { json[key] = s.count > 0 ? Json(value) : Json(nullptr); };
-  number("mean", s.mean);
-  number("rms", s.rms);
-  number("standard_deviation", s.standard_deviation);
-  number("min", s.min);
-  number("p5", s.p5);
-  number("median", s.median);
-  number("p95", s.p95);
-  number("max", s.max);
-  json["min_index"] = s.count > 0 ? Json(s.min_index) : Json(nullptr);
-  json["max_index"] = s.count > 0 ? Json(s.max_index) : Json(nullptr);
-  if (tolerance) {
-    json["in_tolerance"] = s.in_tolerance;
-    number("share_in_tolerance", static_cast<double>(s.in_tolerance) / static_cast<double>(s.count));
-  }
-  return json;
-}
-
 Json deviation_json(const DeviationReport& r) {
   const Deviations& d = *r.deviations;
   const bool tolerance = r.options.tolerance.has_value();
@@ -86,19 +43,19 @@ Json deviation_json(const DeviationReport& r) {
             {"triangles", r.triangles},
             {"tolerance", nullptr},
             {"colors", {{"low", r.scale.low}, {"high", r.scale.high}}},
-            {"overall", to_json(d.overall, tolerance)}};
+            {"overall", statistics_json(d.overall, tolerance)}};
   if (tolerance) json["tolerance"] = {r.options.tolerance->low, r.options.tolerance->high};
   json["faces"] = Json::array();
   for (const FaceDeviation& f : d.per_face) {
     Json face{{"face", f.face}, {"name", f.name}, {"surface", f.surface_type}, {"area", f.area}};
-    face.update(to_json(f.statistics, tolerance));
+    face.update(statistics_json(f.statistics, tolerance));
     json["faces"].push_back(face);
   }
   json["far"] = {{"distance", nullptr}, {"points", d.far.size()}, {"indices", d.far}};
   if (r.options.max_distance) json["far"]["distance"] = *r.options.max_distance;
   json["worst"] = Json::array();
   for (const DeviationSpot& s : d.spots)
-    json["worst"].push_back({{"point", s.point}, {"position", to_json(s.position)}, {"foot", to_json(s.foot)},
+    json["worst"].push_back({{"point", s.point}, {"position", point_json(s.position)}, {"foot", point_json(s.foot)},
                              {"deviation", s.deviation}, {"face", s.face}});
   json["unusable_faces"] = Json::array();
   for (const UnusableFace& f : r.model->unusable_faces)
@@ -114,7 +71,7 @@ std::string deviation_csv(const DeviationReport& r) {
   for (const FaceDeviation& f : r.deviations->per_face) area += f.area;
   text += fmt::format("all,,,{},", area) + csv_numbers(r.deviations->overall, tolerance) + "\n";
   for (const FaceDeviation& f : r.deviations->per_face)
-    text += fmt::format("{},{},{},{},", f.face, quoted(f.name), quoted(f.surface_type), f.area) + csv_numbers(f.statistics, tolerance) + "\n";
+    text += fmt::format("{},{},{},{},", f.face, csv_field(f.name), csv_field(f.surface_type), f.area) + csv_numbers(f.statistics, tolerance) + "\n";
   return text;
 }
 
@@ -133,9 +90,8 @@ std::string deviation_text(const DeviationReport& r) {
   }
   if (s.count == 0) return text + "no point is left\n";
   if (tolerance)
-    text += fmt::format("in tolerance {:+g} to {:+g} mm: {} of {} ({:.2f}%)\n", r.options.tolerance->low, r.options.tolerance->high,
-                        with_commas(s.in_tolerance), with_commas(s.count),
-                        100.0 * static_cast<double>(s.in_tolerance) / static_cast<double>(s.count));
+    text += fmt::format("in tolerance {}: {} of {} ({})\n", tolerance_text(r.options.tolerance), with_commas(s.in_tolerance),
+                        with_commas(s.count), percent(s));
   const int decimals = decimals_for(std::max({std::abs(s.min), std::abs(s.max), 1e-9}));
   text += fmt::format("\n{:>8} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}{}\n", "face", "points", "mean", "std dev", "RMS", "min", "max",
                       tolerance ? "    in tol" : "");

@@ -24,14 +24,6 @@ struct DeviationReport {
   std::vector<std::string> notes;         ///< what a reader must know
 };
 
-/// The colours that show these deviations: to the ends of the tolerance, or without one as far as 98% of the points reach.
-DeviationScale scale_of(const Deviations& deviations, const DeviationOptions& options);
-/// The same in one sentence.
-std::string scale_note(const DeviationScale& scale, const std::string& unit);
-
-/// {"points", "mean", "rms", …} of `tri compare --json`.
-nlohmann::ordered_json to_json(const ValueStatistics& s, bool tolerance);
-
 /// The report as JSON, as a table with one line a face (and one for all) in CSV, and for a person.
 nlohmann::ordered_json deviation_json(const DeviationReport& report);
 std::string deviation_csv(const DeviationReport& report);
@@ -40,8 +32,5 @@ std::string deviation_text(const DeviationReport& report);
 /// The report as a page, without its picture: `scene` and `backdrop` are left to the caller.
 /// @param feet  of every point, for the pins
 HtmlReport deviation_page(const DeviationReport& report, std::span<const Foot> feet);
-
-/// The time of day and date for the head of a page, UTC.
-std::string date_now();
 
 }  // namespace tri::cli

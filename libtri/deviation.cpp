@@ -61,7 +61,6 @@ Deviations deviations(const CadModel& model, std::span<const Vec3> points, std::
     ++first[static_cast<std::size_t>(foot.face) + 1];
   }
   result.overall = of_points(near_values, near, options.tolerance, context);
-  result.shown = range_to_show(near_values);
 
   for (std::size_t f = 0; f < model.faces.size(); ++f) first[f + 1] += first[f];
   std::vector<std::uint32_t> by_face(near.size());
@@ -79,6 +78,18 @@ Deviations deviations(const CadModel& model, std::span<const Vec3> points, std::
   for (const std::uint32_t i : worst_places(points, severity, spot_radius * model.diagonal, options.spots))
     result.spots.push_back({i, points[i], feet[i].point, feet[i].deviation, result.faces[i]});
   return result;
+}
+
+std::vector<double> counted_values(const Deviations& d) {
+  std::vector<double> values;
+  values.reserve(d.values.size() - d.far.size());
+  for (std::size_t i = 0, next = 0; i < d.values.size(); ++i) {
+    if (next < d.far.size() && d.far[next] == i)
+      ++next;
+    else
+      values.push_back(d.values[i]);
+  }
+  return values;
 }
 
 }  // namespace tri

@@ -45,7 +45,6 @@ struct Deviations {
   /// By how far they are outside the tolerance, or without one by size, worst first; no two within a twentieth of the
   /// model's diagonal.
   std::vector<DeviationSpot> spots;
-  double shown = 0;                ///< mm: the range about 0 that shows them well (see range_to_show); of the points in `overall`
 };
 
 /// Statistics of the signed distances of points from a model, overall and for each face. The result does not depend on the
@@ -56,5 +55,8 @@ struct Deviations {
 /// @throws InvalidInput if an option is out of range, or a point is not finite (its foot has no face); Cancelled
 Deviations deviations(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet,
                       const DeviationOptions& options, const Context& context);
+
+/// The deviations of the points that count, in their order: without the far ones.
+std::vector<double> counted_values(const Deviations& deviations);
 
 }  // namespace tri

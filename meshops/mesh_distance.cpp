@@ -10,6 +10,7 @@
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
 #include "meshops/random_stream.hpp"
+#include "meshops/surface_side.hpp"
 
 namespace tri {
 namespace {
@@ -71,9 +72,9 @@ double bound_of(const Piece& piece, const ClosestTriangle& other, Farthest& fart
 
 class OneSided {
  public:
-  OneSided(const Soup& first, const ClosestTriangle& second, double diagonal, const MeshDistanceOptions& options, Context& context,
+  OneSided(const Soup& first, const ClosestTriangle& second, const SurfaceSide& side, double diagonal, const MeshDistanceOptions& options, Context& context,
            const std::string& name)
-      : mesh_(first), other_(second), diagonal_(diagonal), options_(options), context_(context), name_(name) {}
+      : mesh_(first), other_(second), side_(side), diagonal_(diagonal), options_(options), context_(context), name_(name) {}
 
   OneSidedDistance run() {
     visit_vertices();
@@ -105,7 +106,7 @@ class OneSided {
       std::uint32_t hint = 0;
       for (std::size_t i = begin; i < end; ++i) {
         const Hit hit = other_.closest(mesh_.points[i], hint);
-        result_.vertices[i] = hit.distance;
+        result_.vertices[i] = hit.distance * side_.side(mesh_.points[i], hit);
         nearest_[i] = hint = hit.triangle;
         if (used[i]) farthest.see(hit.distance, mesh_.points[i], hit.point);
       }
@@ -154,7 +155,7 @@ class OneSided {
 
   void mean_of_vertices() {
     double sum = 0, squares = 0;
-    for (const double d : result_.vertices) sum += d, squares += d * d;
+    for (const double d : result_.vertices) sum += std::abs(d), squares += d * d;
     const auto n = static_cast<double>(result_.vertices.size());
     result_.mean = sum / n;
     result_.rms = std::sqrt(squares / n);
@@ -201,7 +202,7 @@ class OneSided {
         for (std::size_t k = 0; k < 3; ++k) {
           const std::uint32_t v = mesh_.triangles[i][k];
           piece.corners[k] = mesh_.points[v];
-          piece.distances[k] = result_.vertices[v];
+          piece.distances[k] = std::abs(result_.vertices[v]);
           piece.nearest[k] = nearest_[v];
         }
         level[i].bound = bound_of(piece, other_, farthest);
@@ -240,6 +241,7 @@ class OneSided {
 
   const Soup& mesh_;
   const ClosestTriangle& other_;
+  const SurfaceSide& side_;
   const double diagonal_;
   const MeshDistanceOptions& options_;
   Context& context_;
@@ -269,10 +271,11 @@ MeshDistance mesh_distance(const Soup& first, const Soup& second, const MeshDist
       if (!std::isfinite(soup->points[i].norm()))
         throw InvalidInput("vertex " + std::to_string(i) + " has a coordinate that is not finite");
   const ClosestTriangle first_tree(first.points, first.triangles), second_tree(second.points, second.triangles);
+  const SurfaceSide first_side(first.points, first.triangles), second_side(second.points, second.triangles);
   const double diagonal = diagonal_of(first, second);
   MeshDistance result;
-  result.forward = OneSided(first, second_tree, diagonal, options, context, "first to second").run();
-  result.backward = OneSided(second, first_tree, diagonal, options, context, "second to first").run();
+  result.forward = OneSided(first, second_tree, second_side, diagonal, options, context, "first to second").run();
+  result.backward = OneSided(second, first_tree, first_side, diagonal, options, context, "second to first").run();
   const OneSidedDistance &a = result.forward, &b = result.backward;
   result.hausdorff = std::max(a.max, b.max);
   result.hausdorff_bound = std::max(a.max_bound, b.max_bound);

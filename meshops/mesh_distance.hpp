@@ -24,7 +24,9 @@ struct MeshDistanceOptions {
 
 /// How far one surface is from another: from every place of the first to the closest place of the second. Model units.
 struct OneSidedDistance {
-  std::vector<double> vertices;  ///< for every vertex of the first mesh, used by a triangle or not
+  /// For every vertex of the first mesh, used by a triangle or not: the distance, positive on the side that the second's
+  /// triangles face, negative on the other (see SurfaceSide).
+  std::vector<double> vertices;
   double mean = 0, rms = 0;      ///< over the area of the first surface, by the samples
   double mean_error = 0;         ///< standard error of `mean`, from above
   std::uint64_t samples = 0;     ///< how many; 0 if the first has no area: mean and rms are then those of its vertices

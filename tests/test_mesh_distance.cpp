@@ -87,7 +87,9 @@ TEST_CASE("mesh_distance: two parallel sheets are as far apart as their planes, 
   CHECK(d.rms == doctest::Approx(0.25).epsilon(1e-9));
   CHECK(d.hausdorff <= d.hausdorff_bound);
   CHECK(d.forward.area == doctest::Approx(2));
+  // The first lies on the side that the second faces, and the second behind the first.
   for (const double v : d.forward.vertices) CHECK(v == doctest::Approx(0.25).epsilon(1e-12));
+  for (const double v : d.backward.vertices) CHECK(v == doctest::Approx(-0.25).epsilon(1e-12));
 }
 
 TEST_CASE("mesh_distance: a sheet that juts out is far only in its own direction") {

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "io/html_report.hpp"
+#include "meshops/value_statistics.hpp"
+
+namespace tri::cli {
+
+/// What the reports of deviations have in common.
+
+/// The colours that show these values: to the ends of the tolerance, or without one as far as 98% of them reach.
+DeviationScale scale_of(std::span<const double> values, const std::optional<Tolerance>& tolerance);
+/// The same in one sentence.
+std::string scale_note(const DeviationScale& scale, const std::string& unit);
+
+/// {"points", "mean", "rms", …}: null where there is no point. @param tolerance  whether there is one
+nlohmann::ordered_json statistics_json(const ValueStatistics& s, bool tolerance);
+nlohmann::ordered_json point_json(const Vec3& p);
+
+/// A field of a CSV file [RFC 4180].
+std::string csv_field(const std::string& text);
+
+/// The share in tolerance, "98.81 %"; empty without a value.
+std::string percent(const ValueStatistics& s);
+/// "-0.1 to +0.1 mm", or "none given".
+std::string tolerance_text(const std::optional<Tolerance>& tolerance);
+/// A place of a part of this size, in mm.
+std::string place_text(const Vec3& p, double diagonal);
+/// A path without its folders.
+std::string file_name(const std::string& path);
+/// The time of day and date, UTC.
+std::string date_now();
+
+/// From the scale's ends or the bulk of the values, whichever reaches farther, with some air; nothing without a value.
+std::optional<Histogram> histogram_to_show(std::span<const double> values, const DeviationScale& scale);
+/// The options of a command as the last block of a page.
+std::pair<std::string, std::string> options_block(const nlohmann::ordered_json& options);
+
+}  // namespace tri::cli
