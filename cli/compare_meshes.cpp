@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double spot_radius = 0.05;  // of the diagonal
+constexpr double spot_radius = 0.1;  // of the diagonal
 constexpr std::size_t spots = 10;
 
 // The comparison, as every report states it.
@@ -91,10 +91,10 @@ void add_figures(HtmlReport& page, const Meshes& m) {
                             s.in_tolerance < s.count});
   page.figures.push_back({"Hausdorff distance", m.mm(d.hausdorff) + " mm", fmt::format("proven to be at most {} mm", m.mm(d.hausdorff_bound))});
   page.figures.push_back({"RMS distance", m.mm(d.rms) + " mm", fmt::format("mean {} mm, over both", m.mm(d.mean))});
-  page.figures.push_back({"mean deviation", fmt::format("{:+.{}f} mm", s.mean, m.decimals), fmt::format("standard deviation {} mm", m.mm(s.standard_deviation))});
-  page.figures.push_back({"lowest", fmt::format("{:+.{}f} mm", s.min, m.decimals), fmt::format("vertex {}", s.min_index),
+  page.figures.push_back({"mean deviation", signed_text(s.mean, m.decimals) + " mm", fmt::format("standard deviation {} mm", m.mm(s.standard_deviation))});
+  page.figures.push_back({"lowest", signed_text(s.min, m.decimals) + " mm", fmt::format("vertex {}", s.min_index),
                           m.options.tolerance && s.min < m.options.tolerance->low});
-  page.figures.push_back({"highest", fmt::format("{:+.{}f} mm", s.max, m.decimals), fmt::format("vertex {}", s.max_index),
+  page.figures.push_back({"highest", signed_text(s.max, m.decimals) + " mm", fmt::format("vertex {}", s.max_index),
                           m.options.tolerance && s.max > m.options.tolerance->high});
 }
 
@@ -121,8 +121,12 @@ void add_spots(HtmlReport& page, const Meshes& m) {
   for (const double v : m.distance.forward.vertices) severity.push_back(m.options.tolerance ? m.options.tolerance->excess(v) : std::abs(v));
   page.spot_columns = {{"deviation", true}, {"vertex", true}, {"place, mm"}};
   const double diagonal = (high - low).norm();
+  const bool back = m.distance.backward.max > m.distance.forward.max;
+  const OneSidedDistance& greater = back ? m.distance.backward : m.distance.forward;
+  page.spots.push_back({greater.place, Vec3(0, 0, 0), fmt::format("{} mm from {}\ngreatest distance", m.mm(greater.max), file_name(back ? m.a() : m.b())),
+                        {m.mm(greater.max), back ? "greatest, of the other" : "greatest", place_text(greater.place, diagonal)}});
   for (const std::uint32_t i : worst_places(m.first.points, severity, spot_radius * diagonal, spots)) {
-    const std::string value = fmt::format("{:+.{}f}", m.distance.forward.vertices[i], m.decimals);
+    const std::string value = signed_text(m.distance.forward.vertices[i], m.decimals);
     page.spots.push_back({m.first.points[i], Vec3(0, 0, 0), fmt::format("{} mm\nvertex {}", value, i),
                           {value, std::to_string(i), place_text(m.first.points[i], diagonal)}});
   }

@@ -26,7 +26,7 @@ HtmlTable face_table(const DeviationReport& r, int decimals) {
     const ValueStatistics& s = f.statistics;
     std::vector<std::string> cells{std::to_string(f.face), f.name, f.surface_type, with_commas(s.count)};
     for (const double v : {s.mean, s.standard_deviation, s.rms, s.min, s.p5, s.median, s.p95, s.max})
-      cells.push_back(s.count > 0 ? fmt::format("{:.{}f}", v, decimals) : "");
+      cells.push_back(s.count > 0 ? fixed_text(v, decimals) : "");
     if (tolerance) cells.push_back(percent(s));
     table.rows.push_back(std::move(cells));
     table.faces.push_back(s.count > 0 ? f.face : 0);
@@ -50,13 +50,13 @@ HtmlTable far_table(const DeviationReport& r) {
 
 void add_figures(HtmlReport& page, const DeviationReport& r, int decimals) {
   const ValueStatistics& s = r.deviations->overall;
-  const auto mm = [&](double v, bool sign) { return sign ? fmt::format("{:+.{}f} mm", v, decimals) : fmt::format("{:.{}f} mm", v, decimals); };
+  const auto mm = [&](double v, bool sign) { return sign ? signed_text(v, decimals) + " mm" : fmt::format("{:.{}f} mm", v, decimals); };
   if (r.options.tolerance)
     page.figures.push_back({"in tolerance", percent(s), fmt::format("{} of {} {} outside", with_commas(s.count - s.in_tolerance), with_commas(s.count), name_of_many(r)),
                             s.in_tolerance < s.count});
   page.figures.push_back({"mean", mm(s.mean, true), fmt::format("median {}", mm(s.median, true))});
   page.figures.push_back({"standard deviation", mm(s.standard_deviation, false), fmt::format("RMS {}", mm(s.rms, false))});
-  page.figures.push_back({fmt::format("90 % of the {}", name_of_many(r)), fmt::format("{:+.{}f} … {:+.{}f}", s.p5, decimals, s.p95, decimals), "5th to 95th percentile, mm"});
+  page.figures.push_back({fmt::format("90 % of the {}", name_of_many(r)), signed_text(s.p5, decimals) + " … " + signed_text(s.p95, decimals), "5th to 95th percentile, mm"});
   page.figures.push_back({"lowest", mm(s.min, true), fmt::format("{} {}, face {}", name_of_one(r), s.min_index, r.deviations->faces[s.min_index]),
                           r.options.tolerance && s.min < r.options.tolerance->low});
   page.figures.push_back({"highest", mm(s.max, true), fmt::format("{} {}, face {}", name_of_one(r), s.max_index, r.deviations->faces[s.max_index]),
@@ -95,7 +95,7 @@ HtmlReport deviation_page(const DeviationReport& r, std::span<const Foot> feet) 
     const std::array<float, 3>& n = feet[spot.point].normal;
     page.spots.push_back({spot.position, Vec3(n[0], n[1], n[2]),
                           fmt::format("{:+.{}f} mm   face {}\n{} {}", spot.deviation, decimals, spot.face, name_of_one(r), spot.point),
-                          {fmt::format("{:+.{}f}", spot.deviation, decimals), std::to_string(spot.face), place_text(spot.position, r.model->diagonal)}});
+                          {signed_text(spot.deviation, decimals), std::to_string(spot.face), place_text(spot.position, r.model->diagonal)}});
   }
   page.tables.push_back(face_table(r, decimals));
   if (!d.far.empty()) page.tables.push_back(far_table(r));

@@ -24,11 +24,6 @@ std::vector<double> ticks(double low, double high, int wanted) {
   return result;
 }
 
-std::string signed_number(double value, int decimals) {
-  std::string text = fmt::format("{:+.{}f}", value, decimals);
-  return text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
-}
-
 // As few decimals as tell round numbers apart.
 int tick_decimals(const std::vector<double>& values) {
   for (int decimals = 0; decimals < 9; ++decimals) {
@@ -77,7 +72,7 @@ std::string legend_svg(const DeviationScale& scale, const std::string& unit) {
     const bool end = v == scale.low || v == scale.high;
     svg += fmt::format(R"(<line x1="{0:.0f}" x2="{1:.0f}" y1="{2:.2f}" y2="{2:.2f}" stroke="{3}"/>)", left + width, left + width + 5, y, ink);
     svg += fmt::format(R"(<text x="{:.0f}" y="{:.2f}"{}>{}</text>)", left + width + 9, y + 4, end ? R"( class="end")" : "",
-                       signed_number(v, decimals));
+                       signed_text(v, decimals));
   }
   svg += fmt::format(R"(<rect x="{:.0f}" y="{:.0f}" width="{:.0f}" height="{:.0f}" fill="none" stroke="{}"/>)", left, top, width, height, ink);
   if (scale.tolerance) {
@@ -113,14 +108,14 @@ std::string histogram_svg(const Histogram& histogram, const DeviationScale& scal
     svg += fmt::format(R"(<rect x="{:.2f}" y="{:.2f}" width="{:.2f}" height="{:.2f}" fill="{}" stroke="{}" stroke-width="0.5"><title>{}: {}</title></rect>)",
                        left + width * static_cast<double>(i) / static_cast<double>(n) + 0.5, top + height - h,
                        width / static_cast<double>(n) - 1, h, css_color(deviation_color(middle, scale)), ink,
-                       signed_number(middle, decimals_for(histogram.high - histogram.low)), with_thousands(static_cast<double>(histogram.bins[i])));
+                       signed_text(middle, decimals_for(histogram.high - histogram.low)), with_thousands(static_cast<double>(histogram.bins[i])));
   }
   svg += fmt::format(R"(<line x1="{0:.0f}" x2="{1:.0f}" y1="{2:.0f}" y2="{2:.0f}" stroke="{3}"/>)", left, left + width, top + height, ink);
   const std::vector<double> values = ticks(histogram.low, histogram.high, 7);
   const int decimals = tick_decimals(values);
   for (const double v : values) {
     svg += fmt::format(R"(<line x1="{0:.2f}" x2="{0:.2f}" y1="{1:.0f}" y2="{2:.0f}" stroke="{3}"/>)", x_of(v), top + height, top + height + 4, ink);
-    svg += fmt::format(R"(<text x="{:.2f}" y="{:.0f}" class="middle">{}</text>)", x_of(v), top + height + 17, signed_number(v, decimals));
+    svg += fmt::format(R"(<text x="{:.2f}" y="{:.0f}" class="middle">{}</text>)", x_of(v), top + height + 17, signed_text(v, decimals));
   }
   const auto mark = [&](double v, const char* color, const char* dash, const char* text) {
     if (v < histogram.low || v > histogram.high) return;

@@ -1,5 +1,7 @@
 #include "io/html_text.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -86,6 +88,16 @@ std::string base64(std::string_view bytes) {
 int decimals_for(double range) {
   if (!(range > 0) || !std::isfinite(range)) return 3;
   return std::clamp(3 - static_cast<int>(std::floor(std::log10(2 * range))), 0, 9);
+}
+
+std::string fixed_text(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  return text[0] == '-' && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
+}
+
+std::string signed_text(double value, int decimals) {
+  std::string text = fixed_text(value, decimals);
+  return text[0] != '-' && text.find_first_of("123456789") != std::string::npos ? '+' + text : text;
 }
 
 }  // namespace tri

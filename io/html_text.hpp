@@ -24,4 +24,8 @@ std::string base64_of(std::span<const Value> values) {
 /// How many decimals show numbers of a range about 0 well: 4 for 0.05 to 0.49, 3 for 0.5, 1 for 50; 0 to 9.
 int decimals_for(double range);
 
+/// A number with so many decimals, without and with a plus; a zero has no sign.
+std::string fixed_text(double value, int decimals);
+std::string signed_text(double value, int decimals);
+
 }  // namespace tri

@@ -8,7 +8,7 @@
 namespace tri {
 namespace {
 
-constexpr double spot_radius = 0.05;  // of the diagonal
+constexpr double spot_radius = 0.1;  // of the diagonal
 
 void check(std::span<const Vec3> points, std::span<const Foot> feet, const DeviationOptions& options) {
   if (points.size() != feet.size())

@@ -42,7 +42,7 @@ struct Deviations {
   ValueStatistics overall;         ///< without far points; indices are those of points
   std::vector<FaceDeviation> per_face;  ///< in the order of CadModel::faces, those without points too
   std::vector<std::uint32_t> far;  ///< points beyond `max_distance`, ascending
-  /// By how far they are outside the tolerance, or without one by size, worst first; no two within a twentieth of the
+  /// By how far they are outside the tolerance, or without one by size, worst first; no two within a tenth of the
   /// model's diagonal.
   std::vector<DeviationSpot> spots;
 };

@@ -98,6 +98,11 @@ TEST_CASE("decimals_for: three digits of the greatest number shown") {
   CHECK(decimals_for(1e7) == 0);
   CHECK(decimals_for(1e-12) == 9);
   CHECK(decimals_for(0) == 3);
+  CHECK(fixed_text(-0.0004, 3) == "0.000");
+  CHECK(fixed_text(-0.0006, 3) == "-0.001");
+  CHECK(signed_text(0.0004, 3) == "0.000");
+  CHECK(signed_text(12, 1) == "+12.0");
+  CHECK(signed_text(-12, 0) == "-12");
 }
 
 TEST_CASE("deviation_color: the ends of the scale are blue and red, 0 is neutral also where the ends differ") {
