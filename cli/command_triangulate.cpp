@@ -8,6 +8,7 @@
 #include "cli/commands.hpp"
 #include "cli/model_input.hpp"
 #include "cli/number_checks.hpp"
+#include "cli/page_parts.hpp"
 #include "cli/points_input.hpp"
 #include "cli/triangulate_report.hpp"
 #include "io/json_file.hpp"
@@ -22,8 +23,9 @@ namespace {
 struct Arguments {
   ModelInput model;
   AlignInput align;
-  std::string points, output, report, patches, method = "auto", unmeasured = "hole";
+  std::string points, output, patches, method = "auto", unmeasured = "hole";
   double hole_size = 3, noise = 0, outlier_distance = 0;
+  std::vector<std::string> reports;
   PointUnits units;
   PointsPreparation preparation;
   bool ascii = false, json = false;
@@ -66,8 +68,9 @@ void write(const std::string& path, Mesh& mesh, const PointSet& set, const Prepa
 
 int run(const Arguments& a, Program& program) {
   Context& context = program.context;
-  for (const std::string& path : {a.output, a.report, a.patches})
+  for (const std::string& path : {a.output, a.patches})
     if (!path.empty()) check_output(path);
+  for (const std::string& path : a.reports) check_output(path);
   PointsInBackground background(a.points, a.units, program);
   const CadModel model = read_model(a.model, program);
   PointsFileInfo file;
@@ -85,13 +88,28 @@ int run(const Arguments& a, Program& program) {
   if (result.patches) write(a.patches, *result.patches, set, prepared, a, program);
   write(a.output, result.mesh, set, prepared, a, program);
   if (!a.report.empty()) write_json(a.report, report);
+  if (result.patches) write(a.patches, *result.patches, a, program);
+  write(a.output, result.mesh, a, program);
+  std::string written;
+  for (const std::string& path : a.reports) {
+    if (is_page(path)) {
+      const Soup mesh = to_soup(view_of(result.mesh));
+      const TriangulateInputs inputs{a.model.path, a.points, set.points.size(), options_json(a, file),
+                                     alignment ? alignment_text(*alignment) : ""};
+      Context uncancelled;
+      write_page(path, triangulate_page(result, model, inputs, mesh, uncancelled), program);
+    } else {
+      write_json(path, report);
+    }
+    written += fmt::format("{}: the report\n", path);
+  }
   if (a.json)
     print_result(report);
   else
     print_result(summary(prepared) + (alignment ? alignment_text(*alignment) : "") +
                  triangulate_summary(result, model, set.points.size()) + fmt::format("{}: the mesh\n", a.output) +
                  (result.patches ? fmt::format("{}: the mesh before stitching\n", a.patches) : "") +
-                 (a.report.empty() ? "" : fmt::format("{}: the report\n", a.report)));
+                 written);
   return exit_done;
 }
 
@@ -106,7 +124,11 @@ void add_triangulate_command(CLI::App& app, Program& program) {
   command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation, and what the file says of each point), .stl, .obj, .off")
       ->required()
       ->type_name("FILE");
-  command->add_option("--report", a->report, "Write what was made and what is missing, as JSON")->type_name("FILE");
+  command
+      ->add_option("--report", a->reports, "Write what was made and what is missing: .html makes a page with the part to turn and its "
+                                           "deviation, any other name JSON. May be given for each")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   command->add_option("--patches", a->patches, "Also write the mesh before stitching: one patch for each CAD face")
       ->type_name("FILE");
   command->add_option("--method", a->method, "patches: Delaunay on each face, stitched at the edges; shell: insertion into the "

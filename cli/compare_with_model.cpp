@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "cli/compare_options.hpp"
 #include "cli/deviation_report.hpp"
@@ -30,8 +31,44 @@ void warn_of_frame(const Deviations& d, const CadModel& model) {
   for (const double v : d.values) sizes.push_back(std::abs(v));
   const double median = percentile(sizes, 0.5);
   if (median > suspicious_share * model.diagonal)
-    print_note(fmt::format("half of the points are farther than {:.4g} mm from the model; are they in its frame, and in the right --units?",
-                           median));
+    print_note(
+        fmt::format("half of the points are farther than {:.4g} mm from the model; are they in its frame, and in the "
+                    "right --units?",
+                    median));
+}
+
+// Moves what was measured onto the model; nothing where it is to be taken as it lies.
+std::optional<AlignResult> align_measured(const CompareOptions& o, const CadModel& model,
+                                          const Registration& registration, Soup& soup, double factor,
+                                          Context& context) {
+  const AlignOptions options = align_options(o.align, factor);
+  if (options.mode == AlignMode::none && !options.start) return std::nullopt;
+  AlignResult result = align(model, registration, soup.points, soup.vertex_normals, options, context);
+  // A pose that was given is the user's to judge; the deviations say how well it fits.
+  if (options.mode != AlignMode::none) require_fit(result, factor);
+  if (!result.pose.is_identity()) {
+    for (Vec3& p : soup.points) p = result.pose(p);
+    for (Vec3& n : soup.vertex_normals) n = result.pose.turn(n);
+  }
+  return result;
+}
+
+void add_alignment(DeviationReport& report, const std::optional<AlignResult>& alignment, const AlignInput& input) {
+  if (!alignment) {
+    report.facts.push_back({"Alignment", "none: compared as they lie"});
+    return;
+  }
+  report.facts.push_back({"Alignment", input.mode == "none" ? "as given"
+                                       : alignment->kept
+                                           ? "already on the model, not moved"
+                                           : fmt::format("{}, {}", input.mode, name_of(alignment->status))});
+  std::string text = alignment_text(*alignment) + "\n";
+  for (const auto& row : alignment->pose.matrix())
+    text += fmt::format("{:14.9f} {:14.9f} {:14.9f} {:16.9f}\n", row[0], row[1], row[2], row[3]);
+  report.blocks.push_back({"Pose that takes the points to the model", text});
+  report.alignment = to_json(*alignment);
+  if (input.mode != "none")
+    for (const std::string& reason : alignment->reasons) report.notes.push_back("Alignment: " + reason);
 }
 
 }  // namespace
@@ -41,8 +78,11 @@ int compare_with_model(const CompareOptions& o, Program& program) {
   const CadModel model = read_model(o.model, program);
   CompareResults results;
   Soup& soup = results.colored;
-  soup = read_measured(o.inputs[0], o, program);
-  const std::vector<Foot> feet = Registration(model, context).register_points(soup.points, context);
+  double factor = 1;
+  soup = read_measured(o.inputs[0], o, program, &factor);
+  const Registration registration(model, context);
+  const std::optional<AlignResult> alignment = align_measured(o, model, registration, soup, factor, context);
+  const std::vector<Foot> feet = registration.register_points(soup.points, context);
 
   DeviationReport report;
   report.options.tolerance = o.tolerance;
@@ -56,15 +96,17 @@ int compare_with_model(const CompareOptions& o, Program& program) {
   report.deviations = &d;
   report.scale = scale_of(counted_values(d), o.tolerance);
   report.options_json = to_json(o);
-  report.facts = {{"Alignment", "none: compared as they lie"}, {"Made", date_now()}};
-  if (report.triangles > 0) report.notes.push_back("The vertices of the mesh were measured, not the insides of its triangles.");
+  add_alignment(report, alignment, o.align);
+  report.facts.push_back({"Made", date_now()});
+  if (report.triangles > 0)
+    report.notes.push_back("The vertices of the mesh were measured, not the insides of its triangles.");
 
   soup.vertex_scalars["deviation"] = d.values;
   soup.vertex_scalars["cad_face"].assign(d.faces.begin(), d.faces.end());
   if (!o.output.empty()) paint(soup, report.scale);
   results.json = deviation_json(report);
   results.csv = deviation_csv(report);
-  results.text = deviation_text(report);
+  results.text = (alignment ? alignment_text(*alignment) : "") + deviation_text(report);
   Soup backdrop;
   results.page = [&] {
     HtmlReport page = deviation_page(report, feet);

@@ -12,16 +12,17 @@ namespace tri::cli {
 
 /// A comparison with a CAD model, for the reports below.
 struct DeviationReport {
-  std::string cad, measured;              ///< the files
-  std::uint64_t triangles = 0;            ///< of the measured mesh; 0 if points were measured
+  std::string cad, measured;    ///< the files
+  std::uint64_t triangles = 0;  ///< of the measured mesh; 0 if points were measured
   const CadModel* model = nullptr;
   const Deviations* deviations = nullptr;
   DeviationOptions options;
   DeviationScale scale;
-  nlohmann::ordered_json options_json;    ///< as the command was called
-  std::vector<std::pair<std::string, std::string>> facts;  ///< more of them for the head of the page: label and text
-  std::vector<std::pair<std::string, std::string>> blocks; ///< further title and text for the page: the pose
-  std::vector<std::string> notes;         ///< what a reader must know
+  nlohmann::ordered_json options_json;                      ///< as the command was called
+  std::vector<std::pair<std::string, std::string>> facts;   ///< more of them for the head of the page: label and text
+  std::vector<std::pair<std::string, std::string>> blocks;  ///< further title and text for the page: the pose
+  nlohmann::ordered_json alignment;                         ///< for the JSON report; null if nothing was aligned
+  std::vector<std::string> notes;                           ///< what a reader must know
 };
 
 /// The report as JSON, as a table with one line a face (and one for all) in CSV, and for a person.

@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "io/html_text.hpp"
+#include "io/input_file.hpp"
 
 namespace tri::cli {
 namespace {
@@ -24,9 +25,10 @@ DeviationScale scale_of(std::span<const double> values, const std::optional<Tole
 
 std::string scale_note(const DeviationScale& scale, const std::string& unit) {
   if (scale.tolerance)
-    return fmt::format("The colours end at the tolerance, {:+} to {:+} {}; beyond it they are cyan and magenta.", scale.low, scale.high,
-                       unit);
-  return fmt::format("No tolerance was given: the colours end at {0:+} and {1:+} {2}, which 98% do not exceed.", scale.low, scale.high, unit);
+    return fmt::format("The colours end at the tolerance, {:+} to {:+} {}; beyond it they are cyan and magenta.",
+                       scale.low, scale.high, unit);
+  return fmt::format("No tolerance was given: the colours end at {0:+} and {1:+} {2}, which 98% do not exceed.",
+                     scale.low, scale.high, unit);
 }
 
 nlohmann::ordered_json statistics_json(const ValueStatistics& s, bool tolerance) {
@@ -62,7 +64,9 @@ std::string csv_field(const std::string& text) {
 }
 
 std::string percent(const ValueStatistics& s) {
-  return s.count == 0 ? "" : fmt::format("{:.2f} %", 100.0 * static_cast<double>(s.in_tolerance) / static_cast<double>(s.count));
+  return s.count == 0
+             ? ""
+             : fmt::format("{:.2f} %", 100.0 * static_cast<double>(s.in_tolerance) / static_cast<double>(s.count));
 }
 
 std::string tolerance_text(const std::optional<Tolerance>& tolerance) {
@@ -95,6 +99,18 @@ std::optional<Histogram> histogram_to_show(std::span<const double> values, const
   const double air = 0.05 * (high - low);
   low -= air, high += air;
   return histogram(values, low, high, bins);
+}
+
+bool is_page(const std::string& path) {
+  const std::string extension = file_extension(path);
+  return extension == "html" || extension == "htm";
+}
+
+void write_page(const std::string& path, const HtmlReport& page, const Program& program) {
+  Context uncancelled;  // an interrupt between two files would leave half of the result
+  write_html(path, page, uncancelled);
+  if (!html_can_turn() && !program.quiet)
+    print_note(path + ": the part cannot be turned, as this program was built without three.js (Debian: libjs-three)");
 }
 
 std::pair<std::string, std::string> options_block(const nlohmann::ordered_json& options) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "cli/program.hpp"
 #include "io/html_report.hpp"
 #include "meshops/value_statistics.hpp"
 
@@ -38,6 +39,11 @@ std::string date_now();
 
 /// From the scale's ends or the bulk of the values, whichever reaches farther, with some air; nothing without a value.
 std::optional<Histogram> histogram_to_show(std::span<const double> values, const DeviationScale& scale);
+/// True if a report of this name is a page: it ends in .html or .htm.
+bool is_page(const std::string& path);
+/// Writes it, and says on standard error if the program cannot make one that turns.
+void write_page(const std::string& path, const HtmlReport& page, const Program& program);
+
 /// The options of a command as the last block of a page.
 std::pair<std::string, std::string> options_block(const nlohmann::ordered_json& options);
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "io/html_report.hpp"
 #include "libtri/triangulate.hpp"
 
 namespace tri::cli {
@@ -13,6 +14,19 @@ nlohmann::ordered_json triangulate_report(const TriangulateResult& result, const
 
 /// The same in a few lines for a person: what was made, what was left out, what is not as the model has it.
 std::string triangulate_summary(const TriangulateResult& result, const CadModel& model, std::uint64_t points);
+
+/// What was triangulated, for the page.
+struct TriangulateInputs {
+  std::string cad, points;  ///< the files
+  std::uint64_t count = 0;  ///< of the points
+  nlohmann::ordered_json options;
+  std::string alignment;    ///< what happened to the points before; may be empty
+};
+
+/// The result as a page: the deviations of the vertices as `tri compare` has them, and what the summary says.
+/// @param mesh  of the result, as it is written; shown by the page, so it must outlive it
+HtmlReport triangulate_page(const TriangulateResult& result, const CadModel& model, const TriangulateInputs& inputs, const Soup& mesh,
+                            const Context& context);
 
 const char* name_of(Method method);
 

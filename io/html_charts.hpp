@@ -11,7 +11,8 @@ namespace tri {
 /// "#rrggbb" of a colour of io/palette.hpp.
 std::string css_color(const Vec3& color);
 
-/// The colours of deviations as an upright bar with numbers, as SVG; with a tolerance also the two colours beyond its ends.
+/// The colours of deviations as an upright bar with numbers, as SVG; with a tolerance also the two colours beyond its
+/// ends.
 /// @param unit  text behind the numbers, "mm"
 std::string legend_svg(const DeviationScale& scale, const std::string& unit);
 

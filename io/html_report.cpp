@@ -39,16 +39,17 @@ std::string facts_html(const HtmlReport& report) {
 std::string figures_html(const HtmlReport& report) {
   std::string html;
   for (const HtmlFigure& figure : report.figures)
-    html += fmt::format(R"(<div class="card figure{}"><p class="label">{}</p><p class="value">{}</p><p class="detail">{}</p></div>)",
-                        figure.alarm ? " alarm" : "", html_escape(figure.label), html_escape(figure.value), html_escape(figure.detail));
+    html += fmt::format(
+        R"(<div class="card figure{}"><p class="label">{}</p><p class="value">{}</p><p class="detail">{}</p></div>)",
+        figure.alarm ? " alarm" : "", html_escape(figure.label), html_escape(figure.value), html_escape(figure.detail));
   return html;
 }
 
 std::string head_html(const std::vector<HtmlTable::Column>& columns, bool sortable) {
   std::string html = "<thead><tr>";
   for (const HtmlTable::Column& column : columns)
-    html += fmt::format("<th{}{}>{}</th>", column.number ? R"( class="number")" : "", sortable ? R"( aria-sort="none")" : "",
-                        html_escape(column.title));
+    html += fmt::format("<th{}{}>{}</th>", column.number ? R"( class="number")" : "",
+                        sortable ? R"( aria-sort="none")" : "", html_escape(column.title));
   return html + "</tr></thead>";
 }
 
@@ -77,9 +78,11 @@ std::string spots_html(const HtmlReport& report) {
   if (report.spots.empty()) return "";
   std::vector<HtmlTable::Column> columns{{"", true}};
   columns.insert(columns.end(), report.spot_columns.begin(), report.spot_columns.end());
-  std::string html = R"(<div class="card"><h2>Worst places</h2><table class="spots">)" + head_html(columns, false) + "<tbody>";
+  std::string html =
+      R"(<div class="card"><h2>Worst places</h2><table class="spots">)" + head_html(columns, false) + "<tbody>";
   for (std::size_t i = 0; i < report.spots.size(); ++i) {
-    if (report.spots[i].cells.size() != report.spot_columns.size()) throw InvalidInput("a spot has another number of cells than columns");
+    if (report.spots[i].cells.size() != report.spot_columns.size())
+      throw InvalidInput("a spot has another number of cells than columns");
     html += fmt::format(R"(<tr data-spot="{}"><td class="number"><b class="badge">{}</b></td>)", i, i + 1) +
             cells_html(report.spot_columns, report.spots[i].cells) + "</tr>";
   }
@@ -102,7 +105,9 @@ std::string blocks_html(const HtmlReport& report) {
 
 }  // namespace
 
-bool html_can_turn() { return !html::three.empty(); }
+bool html_can_turn() {
+  return !html::three.empty();
+}
 
 std::string html_page(const HtmlReport& report, Context& context) {
   if (!(report.scale.low < report.scale.high)) throw InvalidInput("the scale of the colours has no width");
@@ -111,29 +116,33 @@ std::string html_page(const HtmlReport& report, Context& context) {
   notes.insert(notes.end(), scene.notes.begin(), scene.notes.end());
   std::string histogram, tables;
   if (report.histogram)
-    histogram = R"(<div class="card"><h2>Distribution</h2>)" + histogram_svg(*report.histogram, report.scale, report.mean, report.unit) + "</div>";
+    histogram = R"(<div class="card"><h2>Distribution</h2>)" +
+                histogram_svg(*report.histogram, report.scale, report.mean, report.unit) + "</div>";
   for (const HtmlTable& table : report.tables) tables += table_html(table);
-  return filled(html::page,
-                {{"version", html_escape(version)},
-                 {"kind", html_escape(report.kind)},
-                 {"title", html_escape(report.title)},
-                 {"style", std::string(html::style)},
-                 {"facts", facts_html(report)},
-                 {"figures", figures_html(report)},
-                 {"picture", scene.picture},
-                 {"legend", legend_svg(report.scale, report.unit)},
-                 {"still_note", html_can_turn() ? "This picture does not turn: the browser runs no scripts or has no WebGL."
-                                                : "This picture does not turn: the program that made the page was built without three.js."},
-                 {"scale_note", html_escape(report.scale_note)},
-                 {"histogram", histogram},
-                 {"spots", spots_html(report)},
-                 {"notes", notes_html(notes)},
-                 {"tables", tables},
-                 {"blocks", blocks_html(report)},
-                 {"three_notice", html_can_turn() ? ". The 3D view is drawn by three.js, &copy; 2010-2019 three.js authors, MIT licence." : "."},
-                 {"scene", json_for_script(scene.json)},
-                 {"three", std::string(html::three)},
-                 {"script", std::string(html::script)}});
+  return filled(
+      html::page,
+      {{"version", html_escape(version)},
+       {"kind", html_escape(report.kind)},
+       {"title", html_escape(report.title)},
+       {"style", std::string(html::style)},
+       {"facts", facts_html(report)},
+       {"figures", figures_html(report)},
+       {"picture", scene.picture},
+       {"legend", legend_svg(report.scale, report.unit)},
+       {"still_note", html_can_turn()
+                          ? "This picture does not turn: the browser runs no scripts or has no WebGL."
+                          : "This picture does not turn: the program that made the page was built without three.js."},
+       {"scale_note", html_escape(report.scale_note)},
+       {"histogram", histogram},
+       {"spots", spots_html(report)},
+       {"notes", notes_html(notes)},
+       {"tables", tables},
+       {"blocks", blocks_html(report)},
+       {"three_notice",
+        html_can_turn() ? ". The 3D view is drawn by three.js, &copy; 2010-2019 three.js authors, MIT licence." : "."},
+       {"scene", json_for_script(scene.json)},
+       {"three", std::string(html::three)},
+       {"script", std::string(html::script)}});
 }
 
 void write_html(const std::string& path, const HtmlReport& report, Context& context) {

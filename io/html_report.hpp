@@ -36,27 +36,28 @@ struct HtmlTable {
 /// A place that is pointed out in the picture and in a table.
 struct HtmlSpot {
   Vec3 position{0, 0, 0};
-  Vec3 normal{0, 0, 0};  ///< outward; (0,0,0) if it is not known
-  std::string text;      ///< what the pin says: "+0.123 mm, face 7"
+  Vec3 normal{0, 0, 0};            ///< outward; (0,0,0) if it is not known
+  std::string text;                ///< what the pin says: "+0.123 mm, face 7"
   std::vector<std::string> cells;  ///< its row in the table of spots
 };
 
 /// A page about a measured part: what it shows.
 struct HtmlReport {
-  std::string title;                                        ///< of the page
-  std::string kind = "Deviation report";                    ///< above the title
-  std::vector<std::pair<std::string, std::string>> facts;   ///< below the title: label and text
+  std::string title;                                       ///< of the page
+  std::string kind = "Deviation report";                   ///< above the title
+  std::vector<std::pair<std::string, std::string>> facts;  ///< below the title: label and text
   std::vector<HtmlFigure> figures;
 
-  /// The part in colour: triangles, or points if it has none. Not null. Colours are by `vertex_scalars["deviation"]` (grey
-  /// where that is missing or NaN); `vertex_scalars["cad_face"]` says which face a vertex lies on, if it is there.
+  /// The part in colour: triangles, or points if it has none. Not null. Colours are by `vertex_scalars["deviation"]`
+  /// (grey where that is missing or NaN); `vertex_scalars["cad_face"]` says which face a vertex lies on, if it is
+  /// there.
   const Soup* scene = nullptr;
   const Soup* backdrop = nullptr;  ///< drawn in grey behind points; may be null
   DeviationScale scale;
-  std::string scale_note;          ///< one sentence: where the ends of the scale come from
+  std::string scale_note;  ///< one sentence: where the ends of the scale come from
   std::string unit = "mm";
   std::optional<Histogram> histogram;
-  std::optional<double> mean;      ///< marked in the histogram
+  std::optional<double> mean;  ///< marked in the histogram
 
   std::vector<HtmlTable::Column> spot_columns;
   std::vector<HtmlSpot> spots;
@@ -67,14 +68,16 @@ struct HtmlReport {
   std::size_t most_elements = 400'000;  ///< triangles or points embedded at most; a visible note says what was thinned
 };
 
-/// Whether the program was built with three.js, so that the part can be turned. Without it, a page holds its static picture and
-/// says so.
+/// Whether the program was built with three.js, so that the part can be turned. Without it, a page holds its static
+/// picture and says so.
 bool html_can_turn();
 
-/// The page as one string: HTML with its style, its scripts, three.js and all data inside; it refers to nothing outside.
+/// The page as one string: HTML with its style, its scripts, three.js and all data inside; it refers to nothing
+/// outside.
 ///
-/// Numbers, charts and a static picture stand in the HTML itself; scripts only add the part that can be turned (WebGL), pins
-/// and sorting. Every text is escaped. Equal reports give equal bytes. 8 bytes a vertex and 16 a triangle, and 0.9 MB.
+/// Numbers, charts and a static picture stand in the HTML itself; scripts only add the part that can be turned (WebGL),
+/// pins and sorting. Every text is escaped. Equal reports give equal bytes. 8 bytes a vertex and 16 a triangle, and 0.9
+/// MB.
 /// @throws InvalidInput if `scene` is null or empty, a coordinate is not finite or a table is ragged; Cancelled
 std::string html_page(const HtmlReport& report, Context& context);
 

@@ -15,13 +15,14 @@
 namespace tri {
 namespace {
 
-constexpr float missing = 3e38f;               // a deviation that is not known; the script tests for more than 1e30
+constexpr float missing = 3e38f;  // a deviation that is not known; the script tests for more than 1e30
 constexpr std::size_t most_picture_dots = 30'000;
 const Vec3 from_part_to_eye(-0.55, -1.0, 0.7);  // as RenderOptions has it
 const Vec3 backdrop_color(0.83, 0.85, 0.87);
 
 struct Frame {
-  Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+           std::numeric_limits<double>::infinity()};
   Vec3 high = -low;
 
   void grow(const Soup& soup) {
@@ -36,7 +37,8 @@ struct Frame {
 
 Color byte_color(const Vec3& color) {
   Color bytes;
-  for (int k = 0; k < 3; ++k) bytes[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0, 1.0)));
+  for (int k = 0; k < 3; ++k)
+    bytes[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0, 1.0)));
   return bytes;
 }
 
@@ -47,7 +49,8 @@ std::string packed_points(const Soup& soup, const Frame& frame) {
   for (const Vec3& p : soup.points)
     for (int k = 0; k < 3; ++k) {
       const double length = frame.high[k] - frame.low[k];
-      packed.push_back(static_cast<std::uint16_t>(length > 0 ? std::lround((p[k] - frame.low[k]) / length * 65535) : 0));
+      packed.push_back(
+          static_cast<std::uint16_t>(length > 0 ? std::lround((p[k] - frame.low[k]) / length * 65535) : 0));
     }
   return base64_of(std::span<const std::uint16_t>(packed));
 }
@@ -58,7 +61,8 @@ std::string packed_triangles(const Soup& soup) {
 }
 
 nlohmann::ordered_json packed(const Soup& soup, const Frame& frame) {
-  nlohmann::ordered_json json{{"vertices", soup.points.size()}, {"triangles", soup.triangles.size()},
+  nlohmann::ordered_json json{{"vertices", soup.points.size()},
+                              {"triangles", soup.triangles.size()},
                               {"positions", packed_points(soup, frame)}};
   if (!soup.triangles.empty()) json["indices"] = packed_triangles(soup);
   if (const auto found = soup.vertex_scalars.find("deviation"); found != soup.vertex_scalars.end()) {
@@ -105,7 +109,8 @@ Soup dots_over(const Soup& backdrop, const Soup& points, const DeviationScale& s
   const Soup dots = thin_for_display(points, std::min(most_picture_dots, points.points.size()));
   const std::vector<Color> colors = colors_of(dots, scale);
   const Vec3 eye = from_part_to_eye.normalized();
-  const Vec3 right = (Vec3(0, 0, 1) % eye).normalized() * (0.0022 * diagonal), up = (eye % right).normalized() * right.norm();
+  const Vec3 right = (Vec3(0, 0, 1) % eye).normalized() * (0.0022 * diagonal),
+             up = (eye % right).normalized() * right.norm();
   for (std::size_t i = 0; i < dots.points.size(); ++i) {
     const Vec3 at = dots.points[i] + eye * (0.004 * diagonal);
     const auto first = static_cast<std::uint32_t>(result.points.size());
@@ -117,7 +122,8 @@ Soup dots_over(const Soup& backdrop, const Soup& points, const DeviationScale& s
   return result;
 }
 
-std::string picture_of(const Soup& scene, const Soup* backdrop, const DeviationScale& scale, double diagonal, Context& context) {
+std::string picture_of(const Soup& scene, const Soup* backdrop, const DeviationScale& scale, double diagonal,
+                       Context& context) {
   Soup colored;
   if (scene.triangles.empty() && backdrop) {
     colored = dots_over(*backdrop, scene, scale, diagonal);
@@ -133,7 +139,8 @@ std::string picture_of(const Soup& scene, const Soup* backdrop, const DeviationS
 }
 
 std::string counted(const Soup& soup) {
-  return soup.triangles.empty() ? fmt::format("{} points", soup.points.size()) : fmt::format("{} triangles", soup.triangles.size());
+  return soup.triangles.empty() ? fmt::format("{} points", soup.points.size())
+                                : fmt::format("{} triangles", soup.triangles.size());
 }
 
 }  // namespace
@@ -145,7 +152,8 @@ HtmlScene html_scene(const HtmlReport& report, Context& context) {
   HtmlScene result;
   const Soup scene = thin_for_display(*report.scene, report.most_elements);
   if (counted(scene) != counted(*report.scene))
-    result.notes.push_back(fmt::format("The picture shows {} of {}; all numbers are of the whole.", counted(scene), counted(*report.scene)));
+    result.notes.push_back(fmt::format("The picture shows {} of {}; all numbers are of the whole.", counted(scene),
+                                       counted(*report.scene)));
   Soup thin_backdrop;
   if (backdrop) thin_backdrop = thin_for_display(*backdrop, report.most_elements);
   Frame frame;

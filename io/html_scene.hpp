@@ -10,8 +10,8 @@ namespace tri {
 
 /// The data of a page's picture.
 struct HtmlScene {
-  nlohmann::ordered_json json;  ///< what the page's script reads, arrays as base64
-  std::string picture;          ///< the static picture, a PNG file in base64
+  nlohmann::ordered_json json;     ///< what the page's script reads, arrays as base64
+  std::string picture;             ///< the static picture, a PNG file in base64
   std::vector<std::string> notes;  ///< what was thinned
 };
 

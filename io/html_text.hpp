@@ -7,8 +7,8 @@
 
 namespace tri {
 
-/// `text` as the content of an HTML element or a quoted attribute: & < > " ' become entities. Bytes that are not UTF-8 and
-/// control characters become U+FFFD, so that a file name of any bytes gives a valid page.
+/// `text` as the content of an HTML element or a quoted attribute: & < > " ' become entities. Bytes that are not UTF-8
+/// and control characters become U+FFFD, so that a file name of any bytes gives a valid page.
 std::string html_escape(std::string_view text);
 
 /// JSON that may stand inside <script>: no "<", ">" or "&" is left in it.

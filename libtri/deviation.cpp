@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "meshops/error.hpp"
 
@@ -16,8 +18,8 @@ void check(std::span<const Vec3> points, std::span<const Foot> feet, const Devia
   if (options.max_distance && !(*options.max_distance > 0))
     throw InvalidInput("max_distance is " + std::to_string(*options.max_distance) + "; it must be above 0");
   if (options.tolerance && !(options.tolerance->low <= options.tolerance->high))
-    throw InvalidInput("the tolerance ends at " + std::to_string(options.tolerance->high) + ", below its beginning at " +
-                       std::to_string(options.tolerance->low));
+    throw InvalidInput("the tolerance ends at " + std::to_string(options.tolerance->high) +
+                       ", below its beginning at " + std::to_string(options.tolerance->low));
   for (std::size_t i = 0; i < feet.size(); ++i)
     if (feet[i].face < 0) throw InvalidInput("point " + std::to_string(i) + " has a coordinate that is not finite");
 }
@@ -71,13 +73,38 @@ Deviations deviations(const CadModel& model, std::span<const Vec3> points, std::
     const CadFace& face = model.faces[f];
     const std::size_t begin = first[f], count = first[f + 1] - begin;
     result.per_face.push_back({face.index, face.name, face.surface_type, face.area,
-                               of_points(std::span(near_values).subspan(begin, count), std::span(by_face).subspan(begin, count),
-                                         options.tolerance, context)});
+                               of_points(std::span(near_values).subspan(begin, count),
+                                         std::span(by_face).subspan(begin, count), options.tolerance, context)});
   }
 
   for (const std::uint32_t i : worst_places(points, severity, spot_radius * model.diagonal, options.spots))
     result.spots.push_back({i, points[i], feet[i].point, feet[i].deviation, result.faces[i]});
   return result;
+}
+
+std::vector<Foot> feet_of(const Mesh& mesh, const CadModel& model) {
+  OpenMesh::VPropHandleT<int> face;
+  OpenMesh::VPropHandleT<Vec2> uv;
+  OpenMesh::VPropHandleT<double> deviation;
+  if (!mesh.get_property_handle(face, property::cad_face) || !mesh.get_property_handle(uv, property::uv) ||
+      !mesh.get_property_handle(deviation, property::deviation))
+    throw InvalidInput("the mesh has no properties that tie it to a model");
+  std::map<int, std::int32_t> position;
+  for (std::size_t f = 0; f < model.faces.size(); ++f) position[model.faces[f].index] = static_cast<std::int32_t>(f);
+  std::vector<Foot> feet;
+  feet.reserve(mesh.n_vertices());
+  for (const VertexHandle v : mesh.vertices()) {
+    const auto found = position.find(mesh.property(face, v));
+    if (found == position.end())
+      throw InvalidInput("vertex " + std::to_string(v.idx()) + " lies on no face of the model");
+    Foot foot;
+    foot.face = found->second;
+    foot.uv = mesh.property(uv, v);
+    foot.deviation = mesh.property(deviation, v);
+    foot.point = model.faces[static_cast<std::size_t>(foot.face)].surface->point(foot.uv[0], foot.uv[1]);
+    feet.push_back(foot);
+  }
+  return feet;
 }
 
 std::vector<double> counted_values(const Deviations& d) {

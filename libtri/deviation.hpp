@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libtri/registration.hpp"
+#include "meshops/mesh.hpp"
 #include "meshops/value_statistics.hpp"
 
 namespace tri {
@@ -22,7 +23,7 @@ struct DeviationOptions {
 struct FaceDeviation {
   int face = 0;  ///< 1-based, CadFace::index
   std::string name, surface_type;
-  double area = 0;  ///< mm^2
+  double area = 0;             ///< mm^2
   ValueStatistics statistics;  ///< indices are those of points
 };
 
@@ -37,24 +38,29 @@ struct DeviationSpot {
 
 /// How measured points deviate from a model.
 struct Deviations {
-  std::vector<double> values;      ///< mm, of every point, far ones too; positive outside
-  std::vector<int> faces;          ///< 1-based CadFace::index of every point
-  ValueStatistics overall;         ///< without far points; indices are those of points
+  std::vector<double> values;           ///< mm, of every point, far ones too; positive outside
+  std::vector<int> faces;               ///< 1-based CadFace::index of every point
+  ValueStatistics overall;              ///< without far points; indices are those of points
   std::vector<FaceDeviation> per_face;  ///< in the order of CadModel::faces, those without points too
-  std::vector<std::uint32_t> far;  ///< points beyond `max_distance`, ascending
+  std::vector<std::uint32_t> far;       ///< points beyond `max_distance`, ascending
   /// By how far they are outside the tolerance, or without one by size, worst first; no two within a tenth of the
   /// model's diagonal.
   std::vector<DeviationSpot> spots;
 };
 
-/// Statistics of the signed distances of points from a model, overall and for each face. The result does not depend on the
-/// number of threads.
+/// Statistics of the signed distances of points from a model, overall and for each face. The result does not depend on
+/// the number of threads.
 ///
 /// @param points  mm; as many as `feet`
 /// @param feet    of these points, from Registration::register_points
 /// @throws InvalidInput if an option is out of range, or a point is not finite (its foot has no face); Cancelled
 Deviations deviations(const CadModel& model, std::span<const Vec3> points, std::span<const Foot> feet,
                       const DeviationOptions& options, const Context& context);
+
+/// What the properties of a triangulated mesh say about its vertices, in their order (see `property` in
+/// meshops/mesh.hpp): face, (u,v), deviation, and the foot, which is looked up. Normal and edge are not known.
+/// @throws InvalidInput if a property is missing or a vertex has no face of the model
+std::vector<Foot> feet_of(const Mesh& mesh, const CadModel& model);
 
 /// The deviations of the points that count, in their order: without the far ones.
 std::vector<double> counted_values(const Deviations& deviations);

@@ -19,8 +19,8 @@ using Hit = ClosestTriangle::Hit;
 
 constexpr std::size_t block_size = 1024;
 constexpr std::uint64_t least_samples = 100'000;
-constexpr std::uint64_t searches_per_cut = 7;    // the middles of three sides and of four quarters
-constexpr double smallest_share = 1e-6;  // of the diagonal: differences below are not narrowed down further
+constexpr std::uint64_t searches_per_cut = 7;  // the middles of three sides and of four quarters
+constexpr double smallest_share = 1e-6;        // of the diagonal: differences below are not narrowed down further
 
 // The greatest distance found so far. Equal ones keep the earlier, so blocks must be merged in order.
 struct Farthest {
@@ -64,7 +64,8 @@ double bound_of(const Piece& piece, const ClosestTriangle& other, Farthest& fart
         candidates.begin() + static_cast<std::ptrdiff_t>(c))
       continue;
     double most = 0;
-    for (const Vec3& p : piece.corners) most = std::max(most, (closest_on_triangle(other.corners(candidates[c]), p) - p).norm());
+    for (const Vec3& p : piece.corners)
+      most = std::max(most, (closest_on_triangle(other.corners(candidates[c]), p) - p).norm());
     bound = std::min(bound, most);
   }
   return bound;
@@ -72,9 +73,15 @@ double bound_of(const Piece& piece, const ClosestTriangle& other, Farthest& fart
 
 class OneSided {
  public:
-  OneSided(const Soup& first, const ClosestTriangle& second, const SurfaceSide& side, double diagonal, const MeshDistanceOptions& options, Context& context,
-           const std::string& name)
-      : mesh_(first), other_(second), side_(side), diagonal_(diagonal), options_(options), context_(context), name_(name) {}
+  OneSided(const Soup& first, const ClosestTriangle& second, const SurfaceSide& side, double diagonal,
+           const MeshDistanceOptions& options, Context& context, const std::string& name)
+      : mesh_(first),
+        other_(second),
+        side_(side),
+        diagonal_(diagonal),
+        options_(options),
+        context_(context),
+        name_(name) {}
 
   OneSidedDistance run() {
     visit_vertices();
@@ -91,8 +98,9 @@ class OneSided {
   template <class Body>
   void in_blocks(const std::string& step, std::size_t count, const Body& body) {
     std::vector<Farthest> farthest((count + block_size - 1) / block_size);
-    for_each_block(context_, step.empty() ? "" : name_ + ": " + step, count, block_size,
-                   [&](std::size_t block, std::size_t begin, std::size_t end) { body(block, begin, end, farthest[block]); });
+    for_each_block(
+        context_, step.empty() ? "" : name_ + ": " + step, count, block_size,
+        [&](std::size_t block, std::size_t begin, std::size_t end) { body(block, begin, end, farthest[block]); });
     for (const Farthest& f : farthest) farthest_.see(f);
   }
 
@@ -102,15 +110,16 @@ class OneSided {
       for (const std::uint32_t v : t) used[v] = true;
     result_.vertices.resize(mesh_.points.size());
     nearest_.resize(mesh_.points.size());
-    in_blocks("vertices", mesh_.points.size(), [&](std::size_t, std::size_t begin, std::size_t end, Farthest& farthest) {
-      std::uint32_t hint = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        const Hit hit = other_.closest(mesh_.points[i], hint);
-        result_.vertices[i] = hit.distance * side_.side(mesh_.points[i], hit);
-        nearest_[i] = hint = hit.triangle;
-        if (used[i]) farthest.see(hit.distance, mesh_.points[i], hit.point);
-      }
-    });
+    in_blocks("vertices", mesh_.points.size(),
+              [&](std::size_t, std::size_t begin, std::size_t end, Farthest& farthest) {
+                std::uint32_t hint = 0;
+                for (std::size_t i = begin; i < end; ++i) {
+                  const Hit hit = other_.closest(mesh_.points[i], hint);
+                  result_.vertices[i] = hit.distance * side_.side(mesh_.points[i], hit);
+                  nearest_[i] = hint = hit.triangle;
+                  if (used[i]) farthest.see(hit.distance, mesh_.points[i], hit.point);
+                }
+              });
   }
 
   void visit_samples() {
@@ -181,7 +190,8 @@ class OneSided {
       const std::uint64_t left = options_.max_searches > searches ? options_.max_searches - searches : 0;
       const std::uint64_t cuts = left / searches_per_cut;
       if (level.size() > cuts) {
-        std::stable_sort(level.begin(), level.end(), [](const Bounded& a, const Bounded& b) { return a.bound > b.bound; });
+        std::stable_sort(level.begin(), level.end(),
+                         [](const Bounded& a, const Bounded& b) { return a.bound > b.bound; });
         if (cuts == 0) {
           result_.max_bound = std::max(result_.max_bound, level.front().bound);
           return;
@@ -263,7 +273,8 @@ double diagonal_of(const Soup& first, const Soup& second) {
 
 }  // namespace
 
-MeshDistance mesh_distance(const Soup& first, const Soup& second, const MeshDistanceOptions& options, Context& context) {
+MeshDistance mesh_distance(const Soup& first, const Soup& second, const MeshDistanceOptions& options,
+                           Context& context) {
   if (!(options.relative_error > 0) || !std::isfinite(options.relative_error))
     throw InvalidInput("relative_error is " + std::to_string(options.relative_error) + "; it must be above 0");
   for (const Soup* soup : {&first, &second})

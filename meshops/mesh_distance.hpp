@@ -24,17 +24,17 @@ struct MeshDistanceOptions {
 
 /// How far one surface is from another: from every place of the first to the closest place of the second. Model units.
 struct OneSidedDistance {
-  /// For every vertex of the first mesh, used by a triangle or not: the distance, positive on the side that the second's
-  /// triangles face, negative on the other (see SurfaceSide).
+  /// For every vertex of the first mesh, used by a triangle or not: the distance, positive on the side that the
+  /// second's triangles face, negative on the other (see SurfaceSide).
   std::vector<double> vertices;
-  double mean = 0, rms = 0;      ///< over the area of the first surface, by the samples
-  double mean_error = 0;         ///< standard error of `mean`, from above
-  std::uint64_t samples = 0;     ///< how many; 0 if the first has no area: mean and rms are then those of its vertices
-  double area = 0;               ///< of the first surface
-  double max = 0;                ///< greatest distance found: that of `place`
-  double max_bound = 0;          ///< no place of the first surface is farther away than this
-  Vec3 place{0, 0, 0};           ///< on the first surface
-  Vec3 foot{0, 0, 0};            ///< on the second, closest to `place`
+  double mean = 0, rms = 0;   ///< over the area of the first surface, by the samples
+  double mean_error = 0;      ///< standard error of `mean`, from above
+  std::uint64_t samples = 0;  ///< how many; 0 if the first has no area: mean and rms are then those of its vertices
+  double area = 0;            ///< of the first surface
+  double max = 0;             ///< greatest distance found: that of `place`
+  double max_bound = 0;       ///< no place of the first surface is farther away than this
+  Vec3 place{0, 0, 0};        ///< on the first surface
+  Vec3 foot{0, 0, 0};         ///< on the second, closest to `place`
 };
 
 struct MeshDistance {
@@ -47,10 +47,11 @@ struct MeshDistance {
 
 /// Compares two surfaces, whatever their triangles.
 ///
-/// Samples lie stratified by area: the k-th of n at a random place within the k-th n-th of the area. The greatest distance is
-/// searched by branch and bound [after Tang, Lee & Kim 2009]: over a piece of a triangle the distance to any one triangle of
-/// the other surface is convex, so that it is largest at a corner; pieces that may hold more than what was found are cut into
-/// four. Vertices that no triangle uses are no part of a surface. The result does not depend on the number of threads.
+/// Samples lie stratified by area: the k-th of n at a random place within the k-th n-th of the area. The greatest
+/// distance is searched by branch and bound [after Tang, Lee & Kim 2009]: over a piece of a triangle the distance to
+/// any one triangle of the other surface is convex, so that it is largest at a corner; pieces that may hold more than
+/// what was found are cut into four. Vertices that no triangle uses are no part of a surface. The result does not
+/// depend on the number of threads.
 /// @throws InvalidInput if an option is out of range, a mesh has no triangle or a coordinate is not finite; Cancelled
 MeshDistance mesh_distance(const Soup& first, const Soup& second, const MeshDistanceOptions& options, Context& context);
 

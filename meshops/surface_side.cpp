@@ -24,7 +24,9 @@ Vec3 unit_or_zero(const Vec3& v) {
 }  // namespace
 
 SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle> triangles)
-    : points_(points.begin(), points.end()), triangles_(triangles.begin(), triangles.end()), vertex_normals_(points.size(), Vec3(0, 0, 0)) {
+    : points_(points.begin(), points.end()),
+      triangles_(triangles.begin(), triangles.end()),
+      vertex_normals_(points.size(), Vec3(0, 0, 0)) {
   const std::vector<std::uint32_t> lowest = points_at_same_place(points_);
   struct Side {
     std::uint64_t key;
@@ -35,7 +37,8 @@ SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle>
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
     Triangle& corners = triangles_[t];
     for (std::uint32_t& v : corners) v = lowest[v];
-    const Vec3 normal = unit_or_zero((points_[corners[1]] - points_[corners[0]]) % (points_[corners[2]] - points_[corners[0]]));
+    const Vec3 normal =
+        unit_or_zero((points_[corners[1]] - points_[corners[0]]) % (points_[corners[2]] - points_[corners[0]]));
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 a = unit_or_zero(points_[corners[(k + 1) % 3]] - points_[corners[k]]);
       const Vec3 b = unit_or_zero(points_[corners[(k + 2) % 3]] - points_[corners[k]]);
@@ -43,8 +46,9 @@ SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle>
       sides.push_back({key_of(corners[k], corners[(k + 1) % 3]), t});
     }
   }
-  tbb::parallel_sort(sides.begin(), sides.end(),
-                     [](const Side& a, const Side& b) { return a.key != b.key ? a.key < b.key : a.triangle < b.triangle; });
+  tbb::parallel_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
+  });
   for (const Side& side : sides) {
     const Triangle& t = triangles_[side.triangle];
     const Vec3 normal = unit_or_zero((points_[t[1]] - points_[t[0]]) % (points_[t[2]] - points_[t[0]]));
@@ -70,7 +74,8 @@ Vec3 SurfaceSide::normal(const ClosestTriangle::Hit& hit) const {
   }
   if (least > on_edge) return area;
   const std::uint64_t key = key_of(t[nearest], t[(nearest + 1) % 3]);
-  const auto edge = std::lower_bound(edges_.begin(), edges_.end(), key, [](const Edge& e, std::uint64_t wanted) { return e.key < wanted; });
+  const auto edge = std::lower_bound(edges_.begin(), edges_.end(), key,
+                                     [](const Edge& e, std::uint64_t wanted) { return e.key < wanted; });
   return edge->normal;
 }
 

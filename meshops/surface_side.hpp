@@ -11,9 +11,10 @@ namespace tri {
 
 /// Tells on which side of an oriented surface a place is, from the closest point of the surface.
 ///
-/// The direction from the closest point is compared with the normal of its triangle, on an edge with the sum of the normals of
-/// all its triangles, at a vertex with their sum weighted by angle: for a closed surface that bounds a solid this is right
-/// everywhere [Baerentzen & Aanaes 2005]. Vertices at the same place are one. Immutable; may be shared between threads.
+/// The direction from the closest point is compared with the normal of its triangle, on an edge with the sum of the
+/// normals of all its triangles, at a vertex with their sum weighted by angle: for a closed surface that bounds a solid
+/// this is right everywhere [Baerentzen & Aanaes 2005]. Vertices at the same place are one. Immutable; may be shared
+/// between threads.
 class SurfaceSide {
  public:
   /// Copies what it needs. @param triangles  every index is below points.size()

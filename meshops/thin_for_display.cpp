@@ -40,11 +40,13 @@ std::vector<std::uint32_t> representatives(const Soup& soup, const Vec3& low, do
   for (std::uint32_t v = 0; v < entries.size(); ++v) {
     std::uint64_t key = 0;
     for (int k = 0; k < 3; ++k)
-      key = key << 21 | std::min<std::uint64_t>(static_cast<std::uint64_t>((soup.points[v][k] - low[k]) / cell), (1u << 21) - 1);
+      key = key << 21 |
+            std::min<std::uint64_t>(static_cast<std::uint64_t>((soup.points[v][k] - low[k]) / cell), (1u << 21) - 1);
     entries[v] = {key, v};
   }
-  tbb::parallel_sort(entries.begin(), entries.end(),
-                     [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.vertex < b.vertex; });
+  tbb::parallel_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.key != b.key ? a.key < b.key : a.vertex < b.vertex;
+  });
   std::vector<std::uint32_t> result(soup.points.size());
   for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
     Vec3 mean(0, 0, 0);
@@ -53,7 +55,8 @@ std::vector<std::uint32_t> representatives(const Soup& soup, const Vec3& low, do
     mean /= static_cast<double>(end - begin);
     std::uint32_t nearest = entries[begin].vertex;
     for (std::size_t i = begin; i < end; ++i)
-      if ((soup.points[entries[i].vertex] - mean).sqrnorm() < (soup.points[nearest] - mean).sqrnorm()) nearest = entries[i].vertex;
+      if ((soup.points[entries[i].vertex] - mean).sqrnorm() < (soup.points[nearest] - mean).sqrnorm())
+        nearest = entries[i].vertex;
     for (std::size_t i = begin; i < end; ++i) result[entries[i].vertex] = nearest;
   }
   return result;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t block_size = 1 << 14;
 
-// Count, mean and sum of squared differences from the mean; the mean square is kept by itself, since adding the square of a
-// large mean afterwards would lose nothing but taking it away would.
+// Count, mean and sum of squared differences from the mean; the mean square is kept by itself, since adding the square
+// of a large mean afterwards would lose nothing but taking it away would.
 struct Moments {
   double count = 0, mean = 0, squares = 0, mean_square = 0;
   double min = 0, max = 0;

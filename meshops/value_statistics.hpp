@@ -31,18 +31,19 @@ struct ValueStatistics {
   std::uint64_t in_tolerance = 0;            ///< 0 without a tolerance
 };
 
-/// Sums run over blocks of fixed size that are merged in order by the update formulas of Chan, Golub & LeVeque (1983), which
-/// do not cancel however far the mean is from 0; the result is the same for any number of threads.
+/// Sums run over blocks of fixed size that are merged in order by the update formulas of Chan, Golub & LeVeque (1983),
+/// which do not cancel however far the mean is from 0; the result is the same for any number of threads.
 /// @param values  finite
 /// @throws Cancelled
 ValueStatistics value_statistics(std::span<const double> values, const std::optional<Tolerance>& tolerance,
                                  const Context& context);
 
-/// The value that `share` (0 to 1) of `values` do not exceed, interpolated linearly; 0 if there is none. Reorders `values`.
+/// The value that `share` (0 to 1) of `values` do not exceed, interpolated linearly; 0 if there is none. Reorders
+/// `values`.
 double percentile(std::span<double> values, double share);
 
-/// Half the width of a range about 0 to show `values` in: what 98% of them do not exceed in size, rounded up to two digits so
-/// that it reads well. 0 if there is none or all are 0.
+/// Half the width of a range about 0 to show `values` in: what 98% of them do not exceed in size, rounded up to two
+/// digits so that it reads well. 0 if there is none or all are 0.
 double range_to_show(std::span<const double> values);
 
 /// How many values fall into each of equally wide bins from `low` to `high`.

@@ -14,7 +14,9 @@ using nlohmann::json;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 // A square of side 2 in z = height, in two triangles.
 std::string square_off(double height) {
@@ -28,8 +30,8 @@ TEST_CASE("tri compare: two meshes are as far apart as their planes, in text, JS
   const TemporaryFolder folder;
   folder.make("a.off", square_off(0));
   folder.make("b.off", square_off(0.25));
-  const Outcome outcome = run_tri({"compare", "a.off", "b.off", "-o", "a.ply", "--csv", "a.csv", "--report", "a.html", "--report", "a.json",
-                                   "--samples", "1000", "--json"},
+  const Outcome outcome = run_tri({"compare", "a.off", "b.off", "-o", "a.ply", "--csv", "a.csv", "--report", "a.html",
+                                   "--report", "a.json", "--samples", "1000", "--json"},
                                   folder.path());
   CAPTURE(outcome.err);
   REQUIRE(outcome.exit_code == 0);
@@ -63,17 +65,19 @@ TEST_CASE("tri compare: a file name of any kind does no harm in a page") {
 
 TEST_CASE("tri compare: wrong usage is refused with 2 before any file is opened") {
   const TemporaryFolder folder;
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"a.stl"},
-                                                                                    {"a.stl", "b.stl", "c.stl"},
-                                                                                    {"a.stl", "b.xyz"},
-                                                                                    {"a.stl", "b.stl", "-o", "c.stl"},
-                                                                                    {"a.stl", "b.stl", "--csv", "c.txt"},
-                                                                                    {"a.stl", "b.stl", "--report", "c.pdf"},
-                                                                                    {"a.stl", "b.stl", "--tolerance", "0.1,0.1"},
-                                                                                    {"a.stl", "b.stl", "--tolerance", "-0.1"},
-                                                                                    {"a.stl", "b.stl", "--tolerance", "1,x"},
-                                                                                    {"a.stl", "b.stl", "--max-distance", "1"},
-                                                                                    {"a.stl", "b.stl", "--samples", "0"}}) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"a.stl"},
+                                             {"a.stl", "b.stl", "c.stl"},
+                                             {"a.stl", "b.xyz"},
+                                             {"a.stl", "b.stl", "-o", "c.stl"},
+                                             {"a.stl", "b.stl", "--csv", "c.txt"},
+                                             {"a.stl", "b.stl", "--report", "c.pdf"},
+                                             {"a.stl", "b.stl", "--tolerance", "0.1,0.1"},
+                                             {"a.stl", "b.stl", "--tolerance", "-0.1"},
+                                             {"a.stl", "b.stl", "--tolerance", "1,x"},
+                                             {"a.stl", "b.stl", "--max-distance", "1"},
+                                             {"a.stl", "b.stl", "--align", "auto"},
+                                             {"a.stl", "b.stl", "--samples", "0"}}) {
     std::vector<std::string> arguments{"compare"};
     arguments.insert(arguments.end(), words.begin(), words.end());
     const Outcome outcome = run_tri(arguments, folder.path());
@@ -97,7 +101,8 @@ namespace {
 // Points on a spherical cap, with noise of standard deviation 0.02 mm.
 void measure_cap(const TemporaryFolder& folder) {
   REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
-  REQUIRE(run_tri({"sample", "--cad", "cap.step", "-n", "3000", "--noise", "0.02", "--no-truth", "-o", "cap.xyz"}, folder.path())
+  REQUIRE(run_tri({"sample", "--cad", "cap.step", "-n", "3000", "--noise", "0.02", "--no-truth", "-o", "cap.xyz"},
+                  folder.path())
               .exit_code == 0);
 }
 
@@ -116,8 +121,8 @@ json compared(const TemporaryFolder& folder, std::vector<std::string> more) {
 TEST_CASE("tri compare --cad: the deviations are the noise that was put in, in text, JSON, CSV and colours") {
   const TemporaryFolder folder;
   measure_cap(folder);
-  const json report = compared(folder, {"cap.xyz", "--tolerance", "-0.02,0.04", "-o", "out.ply", "--csv", "out.csv", "--report", "out.html",
-                                        "--report", "out.json"});
+  const json report = compared(folder, {"cap.xyz", "--tolerance", "-0.02,0.04", "-o", "out.ply", "--csv", "out.csv",
+                                        "--report", "out.html", "--report", "out.json"});
   CHECK(report == json::parse(file_bytes(folder / "out.json")));
   const json& all = report["overall"];
   CHECK(all["points"] == 3000);
@@ -128,8 +133,9 @@ TEST_CASE("tri compare --cad: the deviations are the noise that was put in, in t
   REQUIRE(report["faces"].size() == 1);
   CHECK(report["faces"][0]["rms"] == all["rms"]);
   CHECK(report["worst"][0]["deviation"].get<double>() ==
-        doctest::Approx(0.02 - all["min"].get<double>() - 0.02 > all["max"].get<double>() - 0.02 ? all["min"].get<double>()
-                                                                                                    : all["max"].get<double>()));
+        doctest::Approx(0.02 - all["min"].get<double>() - 0.02 > all["max"].get<double>() - 0.02
+                            ? all["min"].get<double>()
+                            : all["max"].get<double>()));
   // The CSV holds the same numbers.
   std::istringstream csv(file_bytes(folder / "out.csv"));
   std::string head, line, field;
@@ -150,7 +156,9 @@ TEST_CASE("tri compare --cad: the deviations are the noise that was put in, in t
   CHECK(contains(file_bytes(folder / "out.html"), "Worst places"));
 }
 
-TEST_CASE("tri compare --cad: without a tolerance the colours end where 98% of the points do, and a single number is both sides") {
+TEST_CASE(
+    "tri compare --cad: without a tolerance the colours end where 98% of the points do, and a single number is both "
+    "sides") {
   const TemporaryFolder folder;
   measure_cap(folder);
   const json plain = compared(folder, {"cap.xyz"});
@@ -173,11 +181,34 @@ TEST_CASE("tri compare --cad: points beyond --max-distance are listed and not co
   CHECK(near["overall"]["points"] == 3000);
   CHECK(near["far"]["indices"] == json({3000}));
   CHECK(near["overall"]["rms"] == compared(folder, {"cap.xyz"})["overall"]["rms"]);
-  CHECK(contains(run_tri({"compare", "--cad", "cap.step", "far.xyz", "--max-distance", "1"}, folder.path()).out, "3000"));
+  CHECK(
+      contains(run_tri({"compare", "--cad", "cap.step", "far.xyz", "--max-distance", "1"}, folder.path()).out, "3000"));
   // Far off because the unit is wrong: said, not refused.
   const Outcome inches = run_tri({"compare", "--cad", "cap.step", "cap.xyz", "--units", "m"}, folder.path());
   CHECK(inches.exit_code == 0);
   CHECK(contains(inches.err, "--units"));
+}
+
+TEST_CASE("tri triangulate --report: a page beside the JSON report, with the same deviations as tri compare") {
+  const TemporaryFolder folder;
+  measure_cap(folder);
+  const Outcome outcome = run_tri(
+      {"triangulate", "--cad", "cap.step", "cap.xyz", "-o", "cap.ply", "--report", "cap.html", "--report", "cap.json"},
+      folder.path());
+  CAPTURE(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(json::parse(file_bytes(folder / "cap.json"))["points"] == 3000);
+  const std::string page = file_bytes(folder / "cap.html");
+  CHECK(contains(page, "Triangulation report"));
+  REQUIRE(run_tri({"compare", "--cad", "cap.step", "cap.ply", "--report", "compare.html"}, folder.path()).exit_code ==
+          0);
+  // The table of faces, the same in both.
+  const auto table = [](const std::string& html) {
+    const auto begin = html.find("<h2>Faces of the model</h2>");
+    return html.substr(begin, html.find("</table>", begin) - begin);
+  };
+  CHECK(table(page).size() > 300);
+  CHECK(table(page) == table(file_bytes(folder / "compare.html")));
 }
 
 TEST_CASE("tri compare --cad: the vertices of a mesh count as points do, for any number of threads") {
@@ -191,6 +222,24 @@ TEST_CASE("tri compare --cad: the vertices of a mesh count as points do, for any
   const json info = json::parse(run_tri({"info", "out.ply", "--json"}, folder.path()).out);
   CHECK(info["triangles"] == mesh["triangles"]);
   CHECK(compared(folder, {"cap.ply", "--threads", "1"}) == compared(folder, {"cap.ply", "--threads", "2"}));
+}
+
+TEST_CASE("tri compare --cad: points in another pose are aligned when asked, by a pose file or from nothing") {
+  const TemporaryFolder folder;
+  REQUIRE(run_tri({"model", "bracket", "-o", "cap.step"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"sample", "--cad", "cap.step", "-n", "3000", "--noise", "0.02", "--move", "--no-truth", "-o",
+                   "moved.xyz"},
+                  folder.path())
+              .exit_code == 0);
+  const json as_they_lie = compared(folder, {"moved.xyz"});
+  CHECK(as_they_lie["alignment"].is_null());
+  CHECK(as_they_lie["overall"]["rms"].get<double>() > 1);
+  const json given = compared(folder, {"moved.xyz", "--pose", "moved.pose.json", "--report", "out.html"});
+  CHECK(given["overall"]["rms"].get<double>() == doctest::Approx(0.02).epsilon(0.1));
+  CHECK(contains(file_bytes(folder / "out.html"), "Pose that takes the points to the model"));
+  const json found = compared(folder, {"moved.xyz", "--align", "auto"});
+  CHECK(found["overall"]["rms"].get<double>() <= 1.02 * given["overall"]["rms"].get<double>());
+  CHECK(found["alignment"]["status"] != "failed");
 }
 
 #endif

@@ -43,7 +43,8 @@ TEST_CASE("closest_on_triangle: as near as a search over the triangle finds, fro
 TEST_CASE("closest_on_triangle: of a needle, a segment and a point it finds the nearest point too") {
   const Vec3 x(0.3, 1, 0);
   for (const double width : {0.0, 1e-300, 1e-18, 1e-12, 1e-8})
-    CHECK((closest_on_triangle({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0, width)}, x) - Vec3(0.3, 0, 0)).norm() <= 1e-7);
+    CHECK((closest_on_triangle({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0, width)}, x) - Vec3(0.3, 0, 0)).norm() <=
+          1e-7);
   CHECK(closest_on_triangle({Vec3(2, 0, 0), Vec3(2, 0, 0), Vec3(2, 0, 0)}, x) == Vec3(2, 0, 0));
   CHECK(closest_on_segment(Vec3(1, 1, 1), Vec3(1, 1, 1), x) == Vec3(1, 1, 1));
   CHECK(closest_on_segment(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(7, 3, 0)) == Vec3(1, 0, 0));

@@ -65,9 +65,9 @@ TEST_CASE("html_escape: nothing that HTML reads is left, and bytes that are no t
   CHECK(html_escape("Prüfling \xE2\x82\xAC \xF0\x9F\x94\xA9") == "Prüfling \xE2\x82\xAC \xF0\x9F\x94\xA9");
   const std::string bad = "\xEF\xBF\xBD";
   for (const char* bytes : {"\xFF", "\xC0", "\x80", "\x01", "\x7f"}) CHECK(html_escape(bytes) == bad);
-  CHECK(html_escape("\xE2\x82") == bad + bad);              // cut off
-  CHECK(html_escape("\xED\xA0\x80") == bad + bad + bad);    // a surrogate
-  CHECK(html_escape("\xC1\xBC") == bad + bad);              // an overlong '<'... must not become one
+  CHECK(html_escape("\xE2\x82") == bad + bad);            // cut off
+  CHECK(html_escape("\xED\xA0\x80") == bad + bad + bad);  // a surrogate
+  CHECK(html_escape("\xC1\xBC") == bad + bad);            // an overlong '<'... must not become one
   CHECK(html_escape("a\xFFz") == "a" + bad + "z");
   CHECK(html_escape("") == "");
 }
@@ -136,7 +136,8 @@ TEST_CASE("histogram_svg: a bar for each bin that is not empty, as high as its c
   CHECK(count(svg, "<rect") == 3);
   const std::regex height("<rect[^>]* height=\"([0-9.]+)\"");
   std::vector<double> heights;
-  for (std::sregex_iterator i(svg.begin(), svg.end(), height), end; i != end; ++i) heights.push_back(std::stod((*i)[1]));
+  for (std::sregex_iterator i(svg.begin(), svg.end(), height), end; i != end; ++i)
+    heights.push_back(std::stod((*i)[1]));
   REQUIRE(heights.size() == 3);
   CHECK(heights[0] == doctest::Approx(heights[1] / 2).epsilon(0.01));
   CHECK(heights[2] == doctest::Approx(heights[1] / 4).epsilon(0.01));
@@ -150,7 +151,8 @@ TEST_CASE("html_page: one file that refers to nothing outside and holds every tr
   const std::string page = page_of(report_of(soup));
   CHECK(page.starts_with("<!DOCTYPE html>"));
   CHECK(page.find("{{") == std::string::npos);  // no gap of the template is left
-  for (const char* outside : {" src=\"http", " href=", "@import", "url("}) CHECK(page.find(outside) == std::string::npos);
+  for (const char* outside : {" src=\"http", " href=", "@import", "url("})
+    CHECK(page.find(outside) == std::string::npos);
   CHECK(page.find("default-src 'none'") != std::string::npos);
   CHECK(page.find(std::string("tri ") + version) != std::string::npos);
   CHECK(page.find("data:image/png;base64,iVBOR") != std::string::npos);

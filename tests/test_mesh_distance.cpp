@@ -63,7 +63,8 @@ TEST_CASE("closest_triangle: agrees with every triangle tried in turn, with any 
   std::mt19937 random(6);
   std::uniform_real_distribution<double> place(-1, 1);
   Soup soup;
-  for (int i = 0; i < 900; ++i) soup.points.push_back(Vec3(place(random), place(random), place(random)) * (i < 450 ? 1.0 : 0.1));
+  for (int i = 0; i < 900; ++i)
+    soup.points.push_back(Vec3(place(random), place(random), place(random)) * (i < 450 ? 1.0 : 0.1));
   for (std::uint32_t t = 0; t < 300; ++t) soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
   soup.triangles.push_back({5, 5, 5});
   const ClosestTriangle tree(soup.points, soup.triangles);
@@ -71,7 +72,8 @@ TEST_CASE("closest_triangle: agrees with every triangle tried in turn, with any 
     const Vec3 p = Vec3(place(random), place(random), place(random)) * 2;
     double best = std::numeric_limits<double>::infinity();
     for (const Triangle& t : soup.triangles)
-      best = std::min(best, (closest_on_triangle({soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]}, p) - p).norm());
+      best = std::min(best,
+                      (closest_on_triangle({soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]}, p) - p).norm());
     const auto hit = tree.closest(p), hinted = tree.closest(p, static_cast<std::uint32_t>(i));
     CHECK(hit.distance == best);
     CHECK(hit.distance == doctest::Approx((hit.point - p).norm()));
@@ -95,7 +97,8 @@ TEST_CASE("mesh_distance: two parallel sheets are as far apart as their planes, 
 TEST_CASE("mesh_distance: a sheet that juts out is far only in its own direction") {
   // The large sheet's corners are the diagonal of the margin away from the small one's.
   const double h = 0.1, margin = 0.5;
-  const MeshDistance d = distance(sheet({0, 0}, {1, 1}, h, 4), sheet({-margin, -margin}, {1 + margin, 1 + margin}, 0, 9));
+  const MeshDistance d =
+      distance(sheet({0, 0}, {1, 1}, h, 4), sheet({-margin, -margin}, {1 + margin, 1 + margin}, 0, 9));
   CHECK(d.forward.max == doctest::Approx(h).epsilon(1e-9));
   CHECK(d.backward.max == doctest::Approx(std::sqrt(h * h + 2 * margin * margin)).epsilon(1e-9));
   CHECK(d.hausdorff == d.backward.max);
@@ -139,7 +142,8 @@ TEST_CASE("mesh_distance: when the searches are used up the bounds still hold th
 
 TEST_CASE("mesh_distance: concentric spheres are as far apart as their radii differ, to the depth of a facet") {
   const int rings = 24;
-  const double sagitta = 1 - std::pow(std::cos(std::numbers::pi / rings), 2);  // a facet of the unit sphere dips at most so deep
+  const double sagitta =
+      1 - std::pow(std::cos(std::numbers::pi / rings), 2);  // a facet of the unit sphere dips at most so deep
   const MeshDistance d = distance(sphere(1.2, rings), sphere(1, rings + 1));
   CHECK(d.hausdorff >= 0.2 - 1e-12);
   CHECK(d.hausdorff_bound <= 0.2 + 1.2 * sagitta + 0.01 * d.hausdorff);
@@ -162,7 +166,8 @@ TEST_CASE("mesh_distance: the bounds hold against a dense sampling by brute forc
           const Vec3 p = (from.points[t[0]] * i + from.points[t[1]] * j + from.points[t[2]] * (12 - i - j)) / 12.0;
           double least = std::numeric_limits<double>::infinity();
           for (const Triangle& u : to.triangles)
-            least = std::min(least, (closest_on_triangle({to.points[u[0]], to.points[u[1]], to.points[u[2]]}, p) - p).norm());
+            least = std::min(least,
+                             (closest_on_triangle({to.points[u[0]], to.points[u[1]], to.points[u[2]]}, p) - p).norm());
           most = std::max(most, least);
         }
     return most;

@@ -9,9 +9,9 @@ using namespace tri;
 
 namespace {
 
-// A box whose sides do not share vertices, as an STL file would give it, with an L cut out: not convex, so that closest points
-// lie on faces, convex and hollow edges, and corners of every kind. Seen from above: the square [0,2]^2 without [1,2]^2, from
-// z = 0 to 1.
+// A box whose sides do not share vertices, as an STL file would give it, with an L cut out: not convex, so that closest
+// points lie on faces, convex and hollow edges, and corners of every kind. Seen from above: the square [0,2]^2 without
+// [1,2]^2, from z = 0 to 1.
 struct Bracket {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
@@ -24,14 +24,16 @@ struct Bracket {
     }
   }
   Bracket() {
-    const std::array<Vec3, 6> outline{Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(2, 1, 0), Vec3(1, 1, 0), Vec3(1, 2, 0), Vec3(0, 2, 0)};
+    const std::array<Vec3, 6> outline{Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(2, 1, 0),
+                                      Vec3(1, 1, 0), Vec3(1, 2, 0), Vec3(0, 2, 0)};
     const Vec3 up(0, 0, 1);
     for (std::size_t i = 0; i < 6; ++i) {
       const Vec3 &a = outline[i], &b = outline[(i + 1) % 6];
       quad(a, b, b + up, a + up);
     }
     for (const bool top : {true, false})
-      for (const auto& [low, high] : {std::pair{Vec3(0, 0, 0), Vec3(2, 1, 0)}, std::pair{Vec3(0, 1, 0), Vec3(1, 2, 0)}}) {
+      for (const auto& [low, high] :
+           {std::pair{Vec3(0, 0, 0), Vec3(2, 1, 0)}, std::pair{Vec3(0, 1, 0), Vec3(1, 2, 0)}}) {
         const Vec3 a = low, b(high[0], low[1], 0), c = high, d(low[0], high[1], 0);
         if (top)
           quad(a + up, b + up, c + up, d + up);
@@ -71,5 +73,6 @@ TEST_CASE("surface_side: turned around, a surface changes sides; a triangle with
   const ClosestTriangle tree(solid.points, solid.triangles);
   const SurfaceSide sides(solid.points, solid.triangles);
   for (const Vec3& p : {Vec3(0.5, 0.5, 0.5), Vec3(0.9, 1.9, 0.9)}) CHECK(sides.side(p, tree.closest(p)) == 1);
-  for (const Vec3& p : {Vec3(1.5, 1.5, 0.5), Vec3(-1, -1, -1), Vec3(3, 0.5, 0.5)}) CHECK(sides.side(p, tree.closest(p)) == -1);
+  for (const Vec3& p : {Vec3(1.5, 1.5, 0.5), Vec3(-1, -1, -1), Vec3(3, 0.5, 0.5)})
+    CHECK(sides.side(p, tree.closest(p)) == -1);
 }

@@ -51,7 +51,8 @@ TEST_CASE("value_statistics: to the last bit the same for any number of threads"
   Context one, four;
   one.threads = 1;
   four.threads = 4;
-  const ValueStatistics a = value_statistics(values, std::nullopt, one), b = value_statistics(values, std::nullopt, four);
+  const ValueStatistics a = value_statistics(values, std::nullopt, one),
+                        b = value_statistics(values, std::nullopt, four);
   CHECK(a.mean == b.mean);
   CHECK(a.rms == b.rms);
   CHECK(a.standard_deviation == b.standard_deviation);
