@@ -96,7 +96,7 @@ std::string legend_svg(const DeviationScale& scale, const std::string& unit) {
 
 std::string histogram_svg(const Histogram& histogram, const DeviationScale& scale, std::optional<double> mean,
                           const std::string& unit) {
-  constexpr double left = 52, right = 12, top = 16, width = 520, height = 180, bottom = 44;
+  constexpr double left = 52, right = 24, top = 16, width = 520, height = 180, bottom = 44;
   const std::size_t n = histogram.bins.size();
   const double most =
       static_cast<double>(std::max<std::uint64_t>(1, *std::max_element(histogram.bins.begin(), histogram.bins.end())));
