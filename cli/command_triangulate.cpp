@@ -87,9 +87,6 @@ int run(const Arguments& a, Program& program) {
   if (alignment) report["alignment"] = to_json(*alignment);
   if (result.patches) write(a.patches, *result.patches, set, prepared, a, program);
   write(a.output, result.mesh, set, prepared, a, program);
-  if (!a.report.empty()) write_json(a.report, report);
-  if (result.patches) write(a.patches, *result.patches, a, program);
-  write(a.output, result.mesh, a, program);
   std::string written;
   for (const std::string& path : a.reports) {
     if (is_page(path)) {
