@@ -1,12 +1,14 @@
 #include <doctest/doctest.h>
 
+// OpenMesh's headers do not compile after OpenCASCADE's.
+#include "libtri/deviation.hpp"
+
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include "libtri/deviation.hpp"
 #include "libtri/shape_occt.hpp"
 #include "meshops/error.hpp"
 
@@ -142,6 +144,7 @@ TEST_CASE("deviations: refuses what it cannot count, and heeds a cancel") {
   const Measured infinite =
       measured(BRepPrimAPI_MakeBox(1, 1, 1).Shape(), {{0, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0}});
   CHECK_THROWS_AS(deviations_of(infinite, {}), InvalidInput);
+  CHECK_THROWS_AS(feet_of(Mesh(), m.model), InvalidInput);
   Context cancelled;
   cancelled.cancel();
   CHECK_THROWS_AS(deviations(m.model, m.points, m.feet, {}, cancelled), Cancelled);
