@@ -83,7 +83,7 @@ double pose_error(const VirtualMeasurement& m, const Pose& pose) {
 
 TEST_CASE("align: a moved scan with wild points comes back from nothing, about as well as it can") {
   MeasurementOptions o;
-  o.points = 4000;
+  o.points = 2500;
   o.noise = 0.02;
   o.outliers = 0.1;
   o.move = true;
@@ -191,7 +191,7 @@ TEST_CASE("align: a scan in inches or metres is not forced onto the model, its f
   o.noise = 0.02;
   o.move = true;
   VirtualMeasurement m = bracket().measured(o);
-  for (const double factor : {25.4, 1000.0, 0.1}) {
+  for (const double factor : {25.4, 1e-3}) {
     std::vector<Vec3> points = m.points;
     for (Vec3& p : points) p /= factor;
     const AlignResult r = bracket().aligned(points);

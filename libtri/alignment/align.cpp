@@ -30,7 +30,7 @@ constexpr double chance_gain = 35;           // chi-squared of six degrees of fr
 constexpr double no_move = 1e-6;             // of the diagonal
 constexpr double final_tolerance = 1e-6;     // of the diagonal
 constexpr int final_steps = 12, point_steps = 400;
-constexpr double equal_z = 5;  // standard errors
+constexpr double equal_z = 4;  // standard errors
 constexpr std::size_t most_alternatives = 12;
 constexpr double too_large = 1.3, too_small = 0.2, unit_low = 0.35, unit_high = 1.2;  // scan over model, by radius
 constexpr double unit_factors[] = {25.4, 1 / 25.4, 1000, 1e-3, 10, 0.1, 100, 0.01, 304.8, 1 / 304.8};
@@ -85,9 +85,9 @@ class Alignment {
     } else if (!in_place()) {
       from_nothing();
     }
-    if (result_.unit_factor == 1) {
+    if (result_.reasons.empty()) {
       result_.coverage = coverage(result_.pose);
-      judge(result_, points_.size(), diagonal());
+      judge(result_, points_.size(), size());
     }
     lap("judge");
     context_.progress("align", 1);
@@ -97,6 +97,8 @@ class Alignment {
  private:
   double diagonal() const { return model_.diagonal; }
   double radius() const { return 0.5 * model_.diagonal; }
+  // What misfits are measured by: the smaller of model and scan.
+  double size() { return fit_size(diagonal(), subset().radius); }
 
   void lap(const char* step) {
     const auto now = std::chrono::steady_clock::now();
@@ -144,7 +146,7 @@ class Alignment {
     std::vector<Vec3> at;
     if (!same)
       for (const PointResidual& r : residuals) at.push_back(r.at);
-    result_.quality = fit_quality(residuals, same ? neighbours_ : neighbourhood(at, context_), diagonal());
+    result_.quality = fit_quality(residuals, same ? neighbours_ : neighbourhood(at, context_), size());
     result_.information = information_of(equations_of(residuals), result_.quality.sigma, weak_motion * diagonal());
     result_.points_used = used;
   }
@@ -177,19 +179,18 @@ class Alignment {
   bool in_place() {
     if (points_.size() < in_place_points) return false;
     const auto before = target_.residuals(sample_.points, sample_.normals, Pose(), quiet_);
-    const FitQuality first = fit_quality(before, neighbours_, diagonal());
+    const FitQuality first = fit_quality(before, neighbours_, size());
     if (!(first.median <= in_place_distance * diagonal())) return false;
     // A scan in metres or inches shrinks to a spot, which may well lie on the model.
     if (subset().radius < too_small * model_radius()) return false;
     RefineOptions o = last_options();
     Refined refined = refine_pose(target_, sample_.points, sample_.normals, Pose(), o, quiet_);
     const auto after = target_.residuals(sample_.points, sample_.normals, refined.pose, quiet_);
-    const FitQuality second = fit_quality(after, neighbours_, diagonal());
+    const FitQuality second = fit_quality(after, neighbours_, size());
     lap("refine from the points as they are");
     if (first.sigma > in_place_ratio * second.sigma + 1e-5 * diagonal()) return false;
-    if (pose_distance(refined.pose, Pose(), subset().centre, subset().radius) > in_place_move * diagonal())
-      return false;
-    if (!fits(second, diagonal())) return false;
+    if (!near_start(refined.pose)) return false;
+    if (!fits(second, size())) return false;
     result_.iterations = refined.steps;
     if (no_better_than_identity(refined.pose, after, second)) {
       result_.kept = true;
@@ -262,7 +263,7 @@ class Alignment {
     const auto other_unit = [&] {
       for (const auto& [distance, factor] : units) {
         const auto found = search(factor);
-        if (found.empty() || !fits(found.front().quality, diagonal())) continue;
+        if (found.empty() || !fits(found.front().quality, fit_size(diagonal(), factor * subset().radius))) continue;
         result_.unit_factor = factor;
         result_.pose = found.front().pose;
         result_.quality = found.front().quality;
@@ -276,8 +277,16 @@ class Alignment {
       return false;
     };
     if ((ratio > too_large || ratio < too_small) && other_unit()) return;
+    if (ratio > too_large && subset().half_radius > too_large * extent_of(samples().points).half_radius) {
+      result_.reasons.push_back(
+          fmt::format("the points are too large for the model: half of them are farther than {:.4g} mm from their "
+                      "middle, of the model "
+                      "{:.4g} mm",
+                      subset().half_radius, extent_of(samples().points).half_radius));
+      return;
+    }
     std::vector<Candidate> found = search(1);
-    if (ratio >= too_small && ratio <= too_large && (found.empty() || !fits(found.front().quality, diagonal())) &&
+    if (ratio >= too_small && ratio <= too_large && (found.empty() || !fits(found.front().quality, size())) &&
         other_unit())
       return;
     choose(found);
@@ -285,11 +294,15 @@ class Alignment {
     describe_alternatives(found);
   }
 
-  // The best, or among equals the points as they are.
+  bool near_start(const Pose& pose) {
+    return pose_distance(pose, Pose(), subset().centre, subset().radius) <= in_place_move * diagonal();
+  }
+
+  // The best, or among equals the one that leaves the points about where they are.
   void choose(std::vector<Candidate>& found) {
     std::size_t best = 0;
     for (std::size_t i = 1; i < found.size(); ++i)
-      if (found[i].start && found[i].z < equal_z && fits(found[i].quality, diagonal())) best = i;
+      if (found[i].z < equal_z && near_start(found[i].pose) && fits(found[i].quality, size())) best = i;
     std::swap(found[0], found[best]);
     result_.pose = found[0].pose;
     result_.iterations = found[0].steps;

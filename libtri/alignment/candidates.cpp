@@ -137,7 +137,7 @@ class Comparison {
       c.start = items[i].start;
       c.steps = items[i].steps + refined.steps;
       c.residuals = target_.residuals(sample_.points, sample_.normals, c.pose, quiet);
-      c.quality = fit_quality(c.residuals, neighbours_, diagonal());
+      c.quality = fit_quality(c.residuals, neighbours_, fit_size(diagonal(), radius_));
     });
   }
 

@@ -11,9 +11,9 @@ namespace tri {
 namespace {
 
 constexpr double inlier_sigmas = 4.685;
-constexpr double near_limit = 5e-3;    // of the diagonal
-constexpr double far_limit = 5e-4;     // of the diagonal
-constexpr double clip = 1e-2;          // of the diagonal: a point farther off counts as so far
+constexpr double near_limit = 5e-3;    // of the size
+constexpr double far_limit = 5e-4;     // of the size
+constexpr double clip = 1e-2;          // of the size: a point farther off counts as so far
 constexpr double far_neighbour = 2.5;  // times the usual distance: wild points in the air have no neighbours
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t neighbours_far = 3;  // of four
@@ -49,20 +49,20 @@ Neighbourhood neighbourhood(std::span<const Vec3> points, const Context& context
   return result;
 }
 
-FitQuality fit_quality(std::span<const PointResidual> residuals, const Neighbourhood& neighbours, double diagonal) {
+FitQuality fit_quality(std::span<const PointResidual> residuals, const Neighbourhood& neighbours, double size) {
   FitQuality q;
-  q.sigma = robust_sigma(residuals, diagonal);
+  q.sigma = robust_sigma(residuals, size);
   q.median = q.sigma / 1.4826;
-  const double limit = inlier_sigmas * q.sigma, far = std::max(limit, far_limit * diagonal);
+  const double limit = inlier_sigmas * q.sigma, far = std::max(limit, far_limit * size);
   const auto value = [&](std::size_t i) {
     const PointResidual& r = residuals[i];
-    return r.face < 0 || r.opposed ? clip * diagonal : std::clamp(r.value, -clip * diagonal, clip * diagonal);
+    return r.face < 0 || r.opposed ? clip * size : std::clamp(r.value, -clip * size, clip * size);
   };
   std::size_t inliers = 0, near = 0, coherent = 0;
   double squares = 0, products = 0, inlier_products = 0, paired_squares = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const double x = value(i);
-    near += std::abs(x) <= near_limit * diagonal;
+    near += std::abs(x) <= near_limit * size;
     if (std::abs(x) <= limit) {
       ++inliers;
       squares += x * x;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -15,8 +16,8 @@ struct FitQuality {
   double median = 0;        ///< mm, of the distances
   double rms = 0;           ///< mm, of the inliers
   double inlier_share = 0;  ///< of the points within 4.685 sigma
-  double near_share = 0;    ///< of the points within 0.5% of the model's diagonal
-  /// Share of the points that lie farther off than 4.685 sigma and 5e-4 of the diagonal together with most of their
+  double near_share = 0;    ///< of the points within 0.5% of the size
+  /// Share of the points that lie farther off than 4.685 sigma and 5e-4 of the size together with most of their
   /// neighbours, on the same side. Single wild points are not counted: this is a wrong pose, a bent part or something
   /// that is not on the model.
   double coherent_share = 0;
@@ -30,7 +31,12 @@ struct FitQuality {
 using Neighbourhood = std::vector<std::array<std::uint32_t, 4>>;
 Neighbourhood neighbourhood(std::span<const Vec3> points, const Context& context);
 
-/// @param residuals  one a point; @param diagonal mm, of the model
-FitQuality fit_quality(std::span<const PointResidual> residuals, const Neighbourhood& neighbours, double diagonal);
+/// What shares like 0.5% below are taken of: the model's diagonal, or three times a small scan's radius.
+inline double fit_size(double diagonal, double scan_radius) {
+  return std::min(diagonal, 3 * scan_radius);
+}
+
+/// @param residuals  one a point; @param size mm, as `fit_size`
+FitQuality fit_quality(std::span<const PointResidual> residuals, const Neighbourhood& neighbours, double size);
 
 }  // namespace tri

@@ -88,6 +88,7 @@ PointExtent extent_of(std::span<const Vec3> points) {
   }
   for (std::size_t i = 0; i < points.size(); ++i) x[i] = (points[i] - extent.centre).norm();
   extent.radius = percentile(x, 0.9);
+  extent.half_radius = percentile(x, 0.5);
   return extent;
 }
 
@@ -101,6 +102,7 @@ ScanSubset scan_subset(std::span<const Vec3> points, std::span<const Vec3> norma
   const PointExtent extent = extent_of(some);
   subset.centre = extent.centre;
   subset.radius = extent.radius;
+  subset.half_radius = extent.half_radius;
   context.checkpoint();
 
   std::vector<std::uint32_t> kept;

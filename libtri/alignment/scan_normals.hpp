@@ -16,6 +16,7 @@ struct ScanSubset {
   bool oriented = false;      ///< the normals tell the two sides apart
   Vec3 centre{0, 0, 0};       ///< median of the coordinates
   double radius = 0;          ///< mm: nine tenths of the points are nearer to the centre
+  double half_radius = 0;     ///< mm: half of them are
 };
 
 /// Thins `points` to about `count` by cubes of one size, and finds a plane through the neighbours of each point left.
@@ -27,8 +28,9 @@ ScanSubset scan_subset(std::span<const Vec3> points, std::span<const Vec3> norma
 
 /// Where a set of points is and how far it reaches, regardless of a tenth of them.
 struct PointExtent {
-  Vec3 centre{0, 0, 0};  ///< median of the coordinates
-  double radius = 0;     ///< mm: nine tenths of the points are nearer to the centre
+  Vec3 centre{0, 0, 0};    ///< median of the coordinates
+  double radius = 0;       ///< mm: nine tenths of the points are nearer to the centre
+  double half_radius = 0;  ///< mm: half of them are
 };
 PointExtent extent_of(std::span<const Vec3> points);
 
