@@ -49,13 +49,16 @@ class Registration {
 
   /// The global closest point for each of `points` (mm, any order, any number), in their order.
   ///
-  /// Ties across a shared edge go to the face with the lower index. The result does not depend on the number of
-  /// threads, and on the order of the points only by rounding. Beside the result it takes 20 bytes a point.
+  /// Where several faces are equally near, to 1e-10 of the diagonal, the one with the lowest index wins: along a shared
+  /// edge, at a vertex, and half-way between two faces. A foot that is as near on a trimming curve is taken to be on
+  /// it. So face and edge do not depend on the order of the points; neither does the rest, but for the 1e-8 of the
+  /// diagonal to which places far from the model are searched. Nothing depends on the number of threads. Beside the
+  /// result it takes 20 bytes a point.
   /// @throws Cancelled within 64 points of each thread: well within 100 ms.
   std::vector<Foot> register_points(std::span<const Vec3> points, Context& context) const;
 
-  /// The order in which `register_points` visits the points: along a space-filling curve through the model's box. Points
-  /// that are already in it are registered faster.
+  /// The order in which `register_points` visits the points: along a space-filling curve through the model's box.
+  /// Points that are already in it are registered faster.
   std::vector<std::uint32_t> order_of(std::span<const Vec3> points) const;
 
  private:
