@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "io/input_file.hpp"
@@ -87,22 +88,30 @@ void check(const Soup& soup) {
   if (!soup.vertex_normals.empty()) taken.insert(taken.end(), {"nx", "ny", "nz"});
   if (!soup.vertex_colors.empty()) taken.insert(taken.end(), {"red", "green", "blue"});
   check_scalars(soup.vertex_scalars, n, "vertex", taken);
-  check_scalars(soup.face_scalars, soup.triangles.size(), "face", {"vertex_indices", "vertex_index"});
+  check_scalars(soup.face_scalars, soup.triangles.size(), "face", {"vertex_indices", "vertex_index", "texcoord"});
+  check_scalars(soup.corner_scalars, 3 * soup.triangles.size(), "corner", {});
   for (std::size_t i = 0; i < soup.triangles.size(); ++i)
     for (const std::uint32_t v : soup.triangles[i])
       if (v >= n) throw InvalidInput(fmt::format("triangle {} names vertex {} of {}", i, v, n));
 }
 
-std::string names_of(const std::map<std::string, std::vector<double>>& scalars) {
-  std::string names;
-  for (const auto& scalar : scalars) names += (names.empty() ? "" : ", ") + scalar.first;
-  return names;
+/// Whether the format has a place for this face scalar.
+bool holds_face_scalar(const Soup& soup, const std::string& name, const std::vector<double>& values, MeshFormat format,
+                       bool ascii) {
+  if (format == MeshFormat::ply) return true;
+  if (format == MeshFormat::stl) return name == "attribute" && !ascii && is_stl_attribute(values);
+  const bool part = name == "group" || name == "object" || name == "material";
+  return format == MeshFormat::obj && part && soup.face_labels.contains(name);
 }
 
-void note_what_is_lost(const Soup& soup, MeshWriteReport& report) {
+bool holds_corner_scalar(const Soup& soup, const std::string& name, MeshFormat format) {
+  return (format == MeshFormat::obj || format == MeshFormat::ply) && (name == "s" || name == "t") &&
+         soup.corner_scalars.contains("s") && soup.corner_scalars.contains("t");
+}
+
+void note_what_is_lost(const Soup& soup, bool ascii, MeshWriteReport& report) {
   const std::string format(name_of(report.format));
-  const bool stl = report.format == MeshFormat::stl;
-  if (stl) {
+  if (report.format == MeshFormat::stl) {
     std::vector<bool> used(soup.points.size());
     for (const Triangle& triangle : soup.triangles)
       for (const std::uint32_t v : triangle) used[v] = true;
@@ -112,13 +121,20 @@ void note_what_is_lost(const Soup& soup, MeshWriteReport& report) {
     if (!soup.vertex_normals.empty()) report.notes.emplace_back("STL holds no vertex normals: they were not written");
     if (!soup.vertex_colors.empty()) report.notes.emplace_back("STL holds no vertex colours: they were not written");
   }
-  if (report.format == MeshFormat::ply) return;
-  if (!soup.vertex_scalars.empty())
-    report.notes.push_back(
-        fmt::format("{} holds no vertex scalars: {} were not written", format, names_of(soup.vertex_scalars)));
-  if (!soup.face_scalars.empty())
-    report.notes.push_back(
-        fmt::format("{} holds no face scalars: {} were not written", format, names_of(soup.face_scalars)));
+  std::array<std::string, 4> lost;
+  const auto lose = [&](std::size_t kind, const std::string& name) { lost[kind] += (lost[kind].empty() ? "" : ", ") + name; };
+  for (const auto& [name, values] : soup.vertex_scalars)
+    if (report.format != MeshFormat::ply) lose(0, name);
+  for (const auto& [name, values] : soup.face_scalars)
+    if (!holds_face_scalar(soup, name, values, report.format, ascii)) lose(1, name);
+  for (const auto& [name, values] : soup.corner_scalars)
+    if (!holds_corner_scalar(soup, name, report.format)) lose(2, name);
+  for (const auto& [name, values] : soup.face_labels)
+    if (report.format == MeshFormat::ply) lose(3, name);
+  static constexpr const char* kinds[] = {"vertex scalars", "face scalars", "scalars of corners", "names (their numbers were written)"};
+  for (std::size_t kind = 0; kind < lost.size(); ++kind)
+    if (!lost[kind].empty())
+      report.notes.push_back(fmt::format("{} holds no {}: {} were not written", format, kinds[kind], lost[kind]));
 }
 
 }  // namespace
@@ -196,7 +212,7 @@ MeshWriteReport write_mesh(const std::string& path, const Soup& soup, const Mesh
   else
     throw InvalidInput(fmt::format("{}: meshes are written as .stl, .obj, .ply or .off, not \".{}\"", path, extension));
   check(soup);
-  note_what_is_lost(soup, report);
+  note_what_is_lost(soup, options.ascii, report);
 
   AtomicFile file(path);
   switch (report.format) {

@@ -40,8 +40,11 @@ struct MeshFileInfo {
 /// shared vertices: corners with identical coordinates (0 and -0 are identical) become one vertex, numbered by first
 /// occurrence. Coordinates are the doubles nearest to what the file says.
 ///
-/// From PLY come vertex normals, 8-bit vertex colours and every scalar property of vertices and faces; from OBJ and OFF
-/// vertex colours and normals where each vertex has one.
+/// From PLY come vertex normals, 8-bit vertex colours, every scalar property of vertices and faces, and the texture
+/// coordinates of corners (the list `texcoord` of faces: corner scalars "s" and "t"); from OBJ and OFF vertex colours and
+/// normals where each vertex has one; from OBJ also texture coordinates of corners ("s", "t", NaN where there are none)
+/// and groups, objects and materials (face scalars and labels "group", "object", "material"); from binary STL the two
+/// attribute bytes of facets (face scalar "attribute") if any is not 0.
 ///
 /// @param path file name, or "-" for standard input
 /// @param info if given, receives what else is known about the file; `notes` also go to the context's log
@@ -71,8 +74,9 @@ struct MeshWriteReport {
 /// The file appears whole or not at all. Order of vertices and faces is kept. Text holds the shortest decimal that
 /// reads back as the same double; binary PLY (little endian) holds doubles; binary STL holds floats. PLY: `double x y
 /// z`, normals, `point_index cad_face u v deviation` and further scalars by name, `uchar red green blue`; scalars are
-/// doubles, but `point_index` and `cad_face` are ints if every value is one. OBJ and OFF hold positions, normals and
-/// colours.
+/// doubles, but `point_index` and `cad_face` are ints if every value is one. The list `texcoord` of faces holds the
+/// corner scalars "s" and "t". OBJ and OFF hold positions, normals and colours,
+/// OBJ also the texture coordinates and parts that it is read with, binary STL the attribute bytes.
 ///
 /// @param path file name; "-" is not possible, since the format is not known from it
 /// @throws InvalidInput if the extension is unknown or the soup is inconsistent (an index out of range, an attribute of

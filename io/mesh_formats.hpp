@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/atomic_file.hpp"
 #include "io/mesh_file.hpp"
@@ -19,6 +20,9 @@ void write_stl(AtomicFile& file, const Soup& soup, bool ascii, Context& context,
 void write_obj(AtomicFile& file, const Soup& soup, Context& context);
 void write_ply(AtomicFile& file, const Soup& soup, bool ascii, Context& context);
 void write_off(AtomicFile& file, const Soup& soup, Context& context);
+
+/// Whether these values fit the two attribute bytes of a binary STL facet.
+bool is_stl_attribute(const std::vector<double>& values);
 
 /// True if the size is exactly what the facet count of a binary STL header asks for (at least one facet).
 bool has_binary_stl_size(std::string_view bytes);

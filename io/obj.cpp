@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "io/mesh_formats.hpp"
 #include "io/polygon.hpp"
@@ -16,8 +17,8 @@ namespace tri::io_detail {
 namespace {
 
 // What the specification knows and a triangle mesh has no place for.
-constexpr std::array<std::string_view, 30> other_keywords = {
-    "s",    "usemtl", "mtllib",   "vp",       "cstype", "deg",        "bmat",      "step",  "p",     "l",
+constexpr std::array<std::string_view, 29> other_keywords = {
+    "s",    "mtllib",   "vp",       "cstype", "deg",        "bmat",      "step",  "p",     "l",
     "curv", "curv2",  "surf",     "parm",     "trim",   "hole",       "scrv",      "sp",    "end",   "con",
     "mg",   "bevel",  "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj", "ctech", "stech", "maplib"};
 
@@ -62,8 +63,8 @@ class ObjParser {
         normals_.push_back(vector("normal"));
       else if (keyword == "vt")
         texture_coordinate();
-      else if (keyword == "o" || keyword == "g")
-        part();
+      else if (keyword == "o" || keyword == "g" || keyword == "usemtl")
+        part(keyword);
       else if (std::find(other_keywords.begin(), other_keywords.end(), keyword) != other_keywords.end())
         ++others_[std::string(keyword)];
       else
@@ -72,9 +73,11 @@ class ObjParser {
     }
     check_later_references();
     if (soup_.points.empty()) scanner_.fail("not an OBJ mesh: the file ends without a vertex");
+    if (has_texture_) collector_.name_corner_columns({"s", "t"});
     collector_.finish(soup_, info_, context);
     keep_colors();
     keep_normals();
+    keep_parts();
     if (info_.parts.empty()) info_.parts.emplace_back();
     notes();
     return std::move(soup_);
@@ -123,15 +126,46 @@ class ObjParser {
   }
 
   void texture_coordinate() {
-    scanner_.number("u");
-    ++texture_coordinates_;
+    const double s = scanner_.number("u");
+    const double t = scanner_.at_line_end('#') ? 0 : scanner_.number("v");
+    textures_at_.push_back({s, t});
   }
 
-  void part() {
+  /// Triangles from here on are of this object, group or material.
+  struct Part {
+    std::size_t first_triangle;
+    double label;
+  };
+  struct PartList {
+    std::vector<std::string> names;
+    std::vector<Part> parts;
+  };
+
+  void part(std::string_view keyword) {
     scanner_.skip_blanks();
     std::string_view name = scanner_.rest_of_line();
     while (!name.empty() && TextScanner::blank(name.back())) name.remove_suffix(1);
-    info_.parts.emplace_back(name);
+    if (keyword != "usemtl") info_.parts.emplace_back(name);
+    PartList& list = keyword == "g" ? groups_ : keyword == "o" ? objects_ : materials_;
+    auto found = std::find(list.names.begin(), list.names.end(), name);
+    if (found == list.names.end()) found = list.names.emplace(list.names.end(), name);
+    list.parts.push_back({collector_.triangles(), static_cast<double>(found - list.names.begin())});
+  }
+
+  void keep_parts() {
+    const auto keep = [&](const char* scalar, const PartList& list) {
+      if (list.names.empty()) return;
+      std::vector<double>& values = soup_.face_scalars[scalar];
+      values.assign(soup_.triangles.size(), -1);  // before the first part: none
+      for (std::size_t i = 0; i < list.parts.size(); ++i) {
+        const std::size_t end = i + 1 < list.parts.size() ? list.parts[i + 1].first_triangle : values.size();
+        for (std::size_t t = list.parts[i].first_triangle; t < end; ++t) values[t] = list.parts[i].label;
+      }
+      soup_.face_labels[scalar] = list.names;
+    };
+    keep("group", groups_);
+    keep("object", objects_);
+    keep("material", materials_);
   }
 
   // One index of "v/vt/vn": 1-based, or negative and counted back from the last. Returns it 0-based; those of elements
@@ -156,6 +190,8 @@ class ObjParser {
   void face() {
     corners_.clear();
     corner_normals_.clear();
+    corner_values_.clear();
+    bool textured = true;
     while (!scanner_.at_line_end('#')) {
       const std::string_view corner = scanner_.token();
       const std::size_t slash = corner.find('/');
@@ -165,8 +201,17 @@ class ObjParser {
       if (slash != std::string_view::npos) {
         const std::string_view rest = corner.substr(slash + 1);
         const std::size_t second = rest.find('/');
-        if (const auto t = rest.substr(0, second); !t.empty())
-          index(t, texture_coordinates_, textures_, "texture", corner);
+        const auto t = rest.substr(0, second);
+        std::int64_t texture = -1;
+        if (!t.empty())
+          texture = index(t, static_cast<std::int64_t>(textures_at_.size()), textures_, "texture", corner);
+        textured = textured && texture >= 0;
+        // One that comes later in the file is rare enough to be lost; a note says so.
+        const bool known = texture >= 0 && texture < static_cast<std::int64_t>(textures_at_.size());
+        textures_later_ += texture >= 0 && !known;
+        for (std::size_t k = 0; k < 2; ++k)
+          corner_values_.push_back(known ? textures_at_[static_cast<std::size_t>(texture)][k]
+                                         : std::numeric_limits<double>::quiet_NaN());
         if (second != std::string_view::npos && second + 1 < rest.size())
           n = index(rest.substr(second + 1), static_cast<std::int64_t>(normals_.size()), normal_references_, "normal",
                     corner);
@@ -174,7 +219,9 @@ class ObjParser {
       corners_.push_back(static_cast<std::uint32_t>(v));
       corner_normals_.push_back(n);
     }
-    collector_.add(corners_);
+    if (corner_values_.size() != 2 * corners_.size() || !textured) corner_values_.clear();
+    has_texture_ = has_texture_ || !corner_values_.empty();
+    collector_.add(corners_, corner_values_, 2);
     if (!normals_differ_) note_normals();
   }
 
@@ -202,7 +249,7 @@ class ObjParser {
                       reference.where);
     };
     check(vertices_, soup_.points.size(), "vertex");
-    check(textures_, static_cast<std::size_t>(texture_coordinates_), "texture");
+    check(textures_, textures_at_.size(), "texture");
     check(normal_references_, normals_.size(), "normal");
   }
 
@@ -236,8 +283,10 @@ class ObjParser {
   }
 
   void notes() {
-    if (texture_coordinates_ > 0)
-      info_.notes.push_back(fmt::format("{} texture coordinates are not kept", texture_coordinates_));
+    if (!has_texture_ && !textures_at_.empty())
+      info_.notes.push_back(fmt::format("{} texture coordinates are not kept: no face uses them", textures_at_.size()));
+    if (textures_later_ > 0)
+      info_.notes.push_back(fmt::format("texture coordinates of {} corners are not kept: they come after their faces", textures_later_));
     if (weights_ > 0) info_.notes.push_back(fmt::format("the weights of {} vertices are not kept", weights_));
     if (odd_vertices_ > 0)
       info_.notes.push_back(
@@ -260,7 +309,11 @@ class ObjParser {
   std::vector<std::array<float, 3>> colors_;
   bool normals_differ_ = false;
   std::size_t colored_ = 0;
-  std::int64_t texture_coordinates_ = 0;
+  std::vector<std::array<double, 2>> textures_at_;
+  std::vector<double> corner_values_;
+  bool has_texture_ = false;
+  std::uint64_t textures_later_ = 0;
+  PartList groups_, objects_, materials_;
   std::uint64_t weights_ = 0, odd_vertices_ = 0;
   Reference vertices_, textures_, normal_references_;
   std::map<std::string, std::uint64_t> others_;
@@ -275,6 +328,58 @@ Soup parse_obj(std::string_view bytes, const std::string& file, Context& context
   return ObjParser(text, file, bytes, info).run(context);
 }
 
+namespace {
+
+/// Writes "usemtl NAME" and the like wherever the part of the triangles changes.
+class PartWriter {
+ public:
+  PartWriter(const Soup& soup, const char* scalar, std::string_view keyword) : keyword_(keyword) {
+    const auto values = soup.face_scalars.find(scalar);
+    const auto labels = soup.face_labels.find(scalar);
+    if (values == soup.face_scalars.end() || labels == soup.face_labels.end()) return;
+    values_ = &values->second;
+    labels_ = &labels->second;
+  }
+  void before(std::size_t triangle, TextWriter& out) {
+    if (!values_ || (*values_)[triangle] == last_) return;
+    const double value = (*values_)[triangle];
+    const bool named = value >= 0 && value < static_cast<double>(labels_->size()) && value == std::floor(value);
+    if (!named) return;  // what has no part stays in the one before, as in every OBJ file
+    last_ = value;
+    out << keyword_ << ' ' << (*labels_)[static_cast<std::size_t>(value)] << '\n';
+  }
+
+ private:
+  std::string_view keyword_;
+  const std::vector<double>* values_ = nullptr;
+  const std::vector<std::string>* labels_ = nullptr;
+  double last_ = -1;
+};
+
+/// Texture coordinates without repetition, and which each corner has; 0 for none.
+struct TextureTable {
+  std::vector<std::array<double, 2>> places;
+  std::vector<std::uint64_t> of_corner;
+};
+
+TextureTable texture_table(const Soup& soup) {
+  TextureTable table;
+  const auto s = soup.corner_scalars.find("s"), t = soup.corner_scalars.find("t");
+  if (s == soup.corner_scalars.end() || t == soup.corner_scalars.end()) return table;
+  std::map<std::array<double, 2>, std::uint64_t> number;
+  table.of_corner.assign(s->second.size(), 0);
+  for (std::size_t i = 0; i < table.of_corner.size(); ++i) {
+    const std::array<double, 2> place{s->second[i], t->second[i]};
+    if (!std::isfinite(place[0]) || !std::isfinite(place[1])) continue;
+    const auto [found, is_new] = number.emplace(place, table.places.size() + 1);
+    if (is_new) table.places.push_back(place);
+    table.of_corner[i] = found->second;
+  }
+  return table;
+}
+
+}  // namespace
+
 void write_obj(AtomicFile& file, const Soup& soup, Context& context) {
   TextWriter out(file);
   const bool colors = !soup.vertex_colors.empty();
@@ -286,17 +391,26 @@ void write_obj(AtomicFile& file, const Soup& soup, Context& context) {
       for (const std::uint8_t c : soup.vertex_colors[i]) out << ' ' << static_cast<float>(c) / 255.f;
     out << '\n';
   }
+  const TextureTable textures = texture_table(soup);
+  for (const auto& [s, t] : textures.places) out << "vt " << s << ' ' << t << '\n';
   for (const Vec3& n : soup.vertex_normals) out << "vn " << n[0] << ' ' << n[1] << ' ' << n[2] << '\n';
   const bool normals = !soup.vertex_normals.empty();
+  PartWriter objects(soup, "object", "o"), groups(soup, "group", "g"), materials(soup, "material", "usemtl");
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
     if (i % checkpoint_interval == 0) {
       context.checkpoint();
       context.progress("write", static_cast<double>(i) / static_cast<double>(soup.triangles.size()));
     }
+    for (PartWriter* part : {&objects, &groups, &materials}) part->before(i, out);
     out << 'f';
-    for (const std::uint32_t v : soup.triangles[i]) {
-      out << ' ' << v + 1ULL;
-      if (normals) out << "//" << v + 1ULL;
+    // A face either has texture coordinates at every corner or at none.
+    bool textured = !textures.of_corner.empty();
+    for (std::size_t k = 0; textured && k < 3; ++k) textured = textures.of_corner[3 * i + k] != 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t v = soup.triangles[i][k] + 1ULL;
+      out << ' ' << v;
+      if (textured) out << '/' << textures.of_corner[3 * i + k];
+      if (normals) out << (textured ? "/" : "//") << v;
     }
     out << '\n';
   }

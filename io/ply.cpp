@@ -149,6 +149,8 @@ class PlyParser {
         others(element, context);
     }
     source_.finish(info_);
+    if (odd_textures_ > 0)
+      info_.notes.push_back(fmt::format("the lists texcoord of {} faces are not kept: not two values for each corner", odd_textures_));
     info_.parts.emplace_back();
     collector_.finish(soup_, info_, context);
     // Faces may come from several elements (strips beside faces), of which one need not have what another has.
@@ -302,8 +304,10 @@ class PlyParser {
     std::vector<std::vector<double>*> column;
     for (const PlyProperty& property : element.properties) {
       column.push_back(property.is_list ? nullptr : &soup_.face_scalars[property.name]);
-      if (property.is_list && &property != indices) note_list(element, property);
+      if (property.is_list && &property != indices && property.name != "texcoord") note_list(element, property);
     }
+    std::vector<double> texture;
+    if (const PlyProperty* list = element.find("texcoord"); list && list->is_list) collector_.name_corner_columns({"s", "t"});
     std::vector<std::uint32_t> corners;
     std::vector<double> values(column.size());
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -316,6 +320,10 @@ class PlyParser {
           corners.clear();
           for (std::uint64_t c = 0; c < size; ++c)
             corners.push_back(vertex_index(source_.value(property.type, property.name)));
+        } else if (property.is_list && property.name == "texcoord") {
+          const std::uint64_t size = list_size(property);
+          texture.clear();
+          for (std::uint64_t c = 0; c < size; ++c) texture.push_back(source_.value(property.type, property.name));
         } else if (property.is_list) {
           skip(property);
         } else {
@@ -323,7 +331,10 @@ class PlyParser {
         }
       }
       source_.end_record();
-      const std::size_t triangles = collector_.add(corners);
+      const bool fits = texture.size() == 2 * corners.size();
+      odd_textures_ += !fits && !texture.empty();
+      const std::size_t triangles = fits ? collector_.add(corners, texture, 2) : collector_.add(corners);
+      texture.clear();
       for (std::size_t k = 0; k < column.size(); ++k)
         if (column[k]) column[k]->insert(column[k]->end(), triangles, values[k]);
     }
@@ -370,6 +381,7 @@ class PlyParser {
   std::size_t size_;
   MeshFileInfo& info_;
   std::uint64_t vertex_count_ = 0;
+  std::uint64_t odd_textures_ = 0;
   Soup soup_;
   PolygonCollector collector_;
 };

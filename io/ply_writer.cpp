@@ -128,11 +128,29 @@ void put_vertex(Record& record, const Soup& soup, const std::vector<Column>& col
     for (const std::uint8_t c : soup.vertex_colors[i]) record.value(c);
 }
 
+/// Texture coordinates of the corners; null without.
+struct Texture {
+  const std::vector<double>* s = nullptr;
+  const std::vector<double>* t = nullptr;
+};
+
+Texture texture_of(const Soup& soup) {
+  const auto s = soup.corner_scalars.find("s"), t = soup.corner_scalars.find("t");
+  if (s == soup.corner_scalars.end() || t == soup.corner_scalars.end()) return {};
+  return {&s->second, &t->second};
+}
+
 template <class Record>
-void put_face(Record& record, const Soup& soup, const std::vector<Column>& columns, std::size_t i) {
+void put_face(Record& record, const Soup& soup, const std::vector<Column>& columns, const Texture& texture, std::size_t i) {
   record.value(std::uint8_t{3});
   for (const std::uint32_t v : soup.triangles[i]) record.value(v);
   put_columns(record, columns, i);
+  if (!texture.s) return;
+  record.value(std::uint8_t{6});
+  for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
+    record.value((*texture.s)[c]);
+    record.value((*texture.t)[c]);
+  }
 }
 
 // Says how far writing has come.
@@ -153,6 +171,7 @@ class Progress {
 void write_text(AtomicFile& file, const Soup& soup, const std::vector<Column>& vertex_columns,
                 const std::vector<Column>& face_columns, Context& context) {
   Progress progress(soup, context);
+  const Texture texture = texture_of(soup);
   TextRecord record(file);
   for (std::size_t i = 0; i < soup.points.size(); ++i) {
     if (i % checkpoint_interval == 0) progress.at(i);
@@ -161,7 +180,7 @@ void write_text(AtomicFile& file, const Soup& soup, const std::vector<Column>& v
   }
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
     if (i % checkpoint_interval == 0) progress.at(soup.points.size() + i);
-    put_face(record, soup, face_columns, i);
+    put_face(record, soup, face_columns, texture, i);
     record.end();
   }
 }
@@ -192,7 +211,8 @@ void write_binary(AtomicFile& file, const Soup& soup, const std::vector<Column>&
   Progress progress(soup, context);
   const std::size_t vertex_size = 24 + (soup.vertex_normals.empty() ? 0 : 24) + size_of(vertex_columns) +
                                   (soup.vertex_colors.empty() ? 0 : 3);
-  const std::size_t face_size = 13 + size_of(face_columns);
+  const Texture texture = texture_of(soup);
+  const std::size_t face_size = 13 + size_of(face_columns) + (texture.s ? 49 : 0);
   tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     write_records(
@@ -206,7 +226,7 @@ void write_binary(AtomicFile& file, const Soup& soup, const std::vector<Column>&
         file, soup.triangles.size(), face_size,
         [&](std::size_t i, char* at) {
           BinaryRecord record(at);
-          put_face(record, soup, face_columns, i);
+          put_face(record, soup, face_columns, texture, i);
         },
         progress, soup.points.size());
   });
@@ -229,7 +249,9 @@ void write_ply(AtomicFile& file, const Soup& soup, bool ascii, Context& context)
   if (colors) header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   header += fmt::format("element face {}\nproperty list uchar {} vertex_indices\n", soup.triangles.size(),
                         wide ? "uint" : "int");
-  header += declarations(face_columns) + "end_header\n";
+  header += declarations(face_columns);
+  if (texture_of(soup).s) header += "property list uchar double texcoord\n";
+  header += "end_header\n";
   file.write(header);
 
   if (ascii)

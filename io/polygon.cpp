@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "io/mesh_formats.hpp"
 
@@ -126,6 +128,40 @@ std::size_t PolygonCollector::add(std::span<const std::uint32_t> corners) {
   return n - 2;
 }
 
+std::size_t PolygonCollector::add(std::span<const std::uint32_t> corners, std::span<const double> values,
+                                  std::size_t columns) {
+  const std::size_t first_triangle = triangles_.size(), first_corner = corners_.size();
+  const std::size_t made = add(corners);
+  if (made == 0 || values.empty()) return made;
+  columns_ = columns;
+  valued_.push_back({first_triangle, first_corner, corners.size(), values_.size()});
+  values_.insert(values_.end(), values.begin(), values.end());
+  return made;
+}
+
+void PolygonCollector::place_corner_values(Soup& soup) const {
+  if (valued_.empty() || names_.empty()) return;
+  std::vector<std::vector<double>*> lists;
+  for (const std::string& name : names_) {
+    lists.push_back(&soup.corner_scalars[name]);
+    lists.back()->assign(3 * soup.triangles.size(), std::numeric_limits<double>::quiet_NaN());
+  }
+  for (const Valued& face : valued_) {
+    for (std::size_t i = 0; i + 2 < face.size; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::size_t place = k;
+        if (face.size > 3) {
+          const auto begin = corners_.begin() + static_cast<std::ptrdiff_t>(face.first_corner);
+          place = static_cast<std::size_t>(std::find(begin, begin + static_cast<std::ptrdiff_t>(face.size),
+                                                     soup.triangles[face.first_triangle + i][k]) - begin);
+        }
+        for (std::size_t c = 0; c < lists.size(); ++c)
+          (*lists[c])[3 * (face.first_triangle + i) + k] = values_[face.first_value + place * columns_ + c];
+      }
+    }
+  }
+}
+
 void PolygonCollector::finish(Soup& soup, MeshFileInfo& info, Context& context) {
   EarClipper clipper;
   std::uint64_t large = 0, forced = 0;
@@ -138,6 +174,7 @@ void PolygonCollector::finish(Soup& soup, MeshFileInfo& info, Context& context) 
     forced += result == EarClipper::Result::forced;
   }
   soup.triangles = std::move(triangles_);
+  place_corner_values(soup);
   info.polygons = faces_;
   info.polygons_split = polygons_.size();
   if (large > 0)

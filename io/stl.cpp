@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cfloat>
@@ -93,7 +94,6 @@ Soup parse_binary(std::string_view bytes, const std::string& file, Context& cont
   soup.triangles.reserve(facets);
   soup.points.reserve(facets / 2 + 2);
   ExactWelder welder(soup.points, facets / 2 + 2);
-  std::uint64_t attributes = 0;
   for (std::uint64_t i = 0; i < facets; ++i) {
     if (i % checkpoint_interval == 0) {
       context.checkpoint();
@@ -111,12 +111,16 @@ Soup parse_binary(std::string_view bytes, const std::string& file, Context& cont
       triangle[k] = welder.vertex(p);
     }
     soup.triangles.push_back(triangle);
-    attributes += bytes[at + 48] != 0 || bytes[at + 49] != 0;
+    std::uint16_t attribute = 0;
+    std::memcpy(&attribute, bytes.data() + at + 48, 2);
+    if (attribute != 0) {
+      auto& values = soup.face_scalars["attribute"];
+      values.resize(facets, 0);
+      values[i] = attribute;
+    }
   }
   info.polygons = facets;
   info.parts.emplace_back();
-  if (attributes > 0)
-    info.notes.push_back(fmt::format("the attribute bytes (colours) of {} facets are not kept", attributes));
   if (bytes.size() > wanted)
     info.notes.push_back(fmt::format("{} bytes after the last facet were left out", bytes.size() - wanted));
   return soup;
@@ -242,6 +246,8 @@ void write_binary(AtomicFile& file, const Soup& soup, Context& context, MeshWrit
   file.write({header.data(), header.size()});
   file.write_value(static_cast<std::uint32_t>(soup.triangles.size()));
   std::uint64_t collapsed = 0;
+  const auto attribute = soup.face_scalars.find("attribute");
+  const bool with_attribute = attribute != soup.face_scalars.end() && is_stl_attribute(attribute->second);
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
     if (i % checkpoint_interval == 0) {
       context.checkpoint();
@@ -263,7 +269,7 @@ void write_binary(AtomicFile& file, const Soup& soup, Context& context, MeshWrit
     }
     facet[0] = to_floats(unit_normal(rounded[0], rounded[1], rounded[2]));
     file.write_value(facet);
-    file.write_value(std::uint16_t{0});
+    file.write_value(with_attribute ? static_cast<std::uint16_t>(attribute->second[i]) : std::uint16_t{0});
   }
   if (report.rounded_vertices > 0)
     report.notes.push_back(
@@ -293,6 +299,10 @@ void write_ascii(AtomicFile& file, const Soup& soup, Context& context) {
 }
 
 }  // namespace
+
+bool is_stl_attribute(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return v >= 0 && v <= 65535 && v == std::floor(v); });
+}
 
 bool has_binary_stl_size(std::string_view bytes) {
   return bytes.size() > header_size && bytes.size() == header_size + binary_facets(bytes) * facet_size;

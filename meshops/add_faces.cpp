@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "meshops/corner_values.hpp"
+
 namespace tri {
 namespace {
 
@@ -222,6 +224,15 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
     if (source.is_valid()) {
       mesh.copy_all_properties(source, f, true);
       mesh.status(f) = OpenMesh::Attributes::StatusInfo();
+    }
+    for (int k = 0; k < 3; ++k) {
+      const HalfedgeHandle h = halfedge[3 * t + k];
+      // The corner where it ends, in the face beyond the next side or beyond its own.
+      const HalfedgeHandle after = mesh.opposite_halfedge_handle(halfedge[3 * t + (k + 1) % 3]), own = mesh.opposite_halfedge_handle(h);
+      if (mesh.face_handle(after).is_valid())
+        copy_corner_values(mesh, after, h);
+      else if (mesh.face_handle(own).is_valid())
+        copy_corner_values(mesh, mesh.prev_halfedge_handle(own), h);
     }
     if (added) added->push_back(f);
   }

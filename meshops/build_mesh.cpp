@@ -13,7 +13,9 @@
 #include <string>
 
 #include "meshops/error.hpp"
+#include "meshops/label_property.hpp"
 #include "meshops/side_pairs.hpp"
+#include "meshops/soup_edit.hpp"
 
 namespace tri {
 namespace {
@@ -33,18 +35,6 @@ void check_sizes(std::size_t points, std::span<const Triangle> triangles) {
   }
 }
 
-void check_attribute(const std::string& name, std::size_t have, std::size_t expected) {
-  if (have != expected)
-    throw InvalidInput(fmt::format("attribute {} has {} values instead of {}", name, have, expected));
-}
-
-void check_attributes(const Soup& soup) {
-  for (const auto& [name, values] : soup.vertex_scalars) check_attribute(name, values.size(), soup.points.size());
-  for (const auto& [name, values] : soup.face_scalars) check_attribute(name, values.size(), soup.triangles.size());
-  if (!soup.vertex_colors.empty()) check_attribute("vertex_colors", soup.vertex_colors.size(), soup.points.size());
-  if (!soup.vertex_normals.empty()) check_attribute("vertex_normals", soup.vertex_normals.size(), soup.points.size());
-}
-
 bool whole_numbers(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double v) {
     return v == std::floor(v) && std::abs(v) <= static_cast<double>(std::numeric_limits<int>::max());
@@ -56,6 +46,21 @@ void add_vertex_property(BuiltMesh& built, const std::string& name, const Value&
   OpenMesh::VPropHandleT<T> handle;
   built.mesh.add_property(handle, name);
   for (const VertexHandle v : built.mesh.vertices()) built.mesh.property(handle, v) = value(built.point_of(v));
+}
+
+/// The value of a corner goes to the half-edge of its triangle that ends there.
+void set_corners(const Soup& soup, const std::vector<double>& values, const std::string& name, BuiltMesh& built) {
+  OpenMesh::HPropHandleT<double> handle;
+  built.mesh.add_property(handle, "h:" + name);
+  for (const FaceHandle f : built.mesh.faces()) {
+    const std::uint32_t t = built.triangle_of(f);
+    HalfedgeHandle h = built.mesh.halfedge_handle(f);
+    for (int i = 0; i < 3; ++i, h = built.mesh.next_halfedge_handle(h)) {
+      const std::uint32_t point = built.point_of(built.mesh.to_vertex_handle(h));
+      for (std::size_t k = 0; k < 3; ++k)
+        if (soup.triangles[t][k] == point) built.mesh.property(handle, h) = values[3 * t + k];
+    }
+  }
 }
 
 /// Soup attributes become properties of the mesh.
@@ -81,6 +86,12 @@ void set_attributes(const Soup& soup, BuiltMesh& built) {
     mesh.add_property(handle, "f:" + name);
     for (const FaceHandle f : mesh.faces()) mesh.property(handle, f) = values[built.triangle_of(f)];
   }
+  for (const auto& scalar : soup.corner_scalars) set_corners(soup, scalar.second, scalar.first, built);
+  for (const auto& [name, labels] : soup.face_labels) {
+    OpenMesh::MPropHandleT<std::vector<std::string>> handle;
+    mesh.add_property(handle, property::labels + name);
+    mesh.property(handle) = labels;
+  }
   if (!soup.vertex_normals.empty()) {
     mesh.request_vertex_normals();
     for (const VertexHandle v : mesh.vertices()) mesh.set_normal(v, soup.vertex_normals[built.point_of(v)]);
@@ -92,10 +103,6 @@ void set_attributes(const Soup& soup, BuiltMesh& built) {
       mesh.set_color(v, {r, g, b});
     }
   }
-}
-
-bool repeats_vertex(const Triangle& t) {
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
 std::size_t count_edges(const SidePairs::Sides& twin) {
@@ -316,7 +323,7 @@ void build_known(std::span<const Vec3> points, std::span<const Triangle> triangl
 
 BuiltMesh build_mesh(const Soup& soup, Context& context) {
   check_sizes(soup.points.size(), soup.triangles);
-  check_attributes(soup);
+  check_soup(soup);
   context.progress("build-mesh", 0);
 
   BuiltMesh result;

@@ -51,7 +51,8 @@ struct BuiltMesh {
 /// however small.
 ///
 /// Vertex scalars become properties "v:NAME" (double; `point_index` and `cad_face` int if they are whole, `u` and `v`
-/// together the Vec2 "v:uv"), face scalars "f:NAME", colours and normals OpenMesh's own attributes. Edges are numbered
+/// together the Vec2 "v:uv"), face scalars "f:NAME", corner scalars "h:NAME" of the half-edge that ends in the corner, labels mesh
+/// properties (see `property::labels`), colours and normals OpenMesh's own attributes. Edges are numbered
 /// by their first side in the order of the triangles. O(points + triangles).
 ///
 /// @throws InvalidInput if an index is not below the number of points, an attribute has the wrong length, or there are

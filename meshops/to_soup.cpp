@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "meshops/label_property.hpp"
+
 namespace tri {
 namespace {
 
@@ -106,6 +108,21 @@ Soup to_soup(const MeshView& view) {
   for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it) {
     if (!*it || !(*it)->name().starts_with("f:")) continue;
     if (auto values = numbers(**it, faces)) soup.face_scalars[(*it)->name().substr(2)] = std::move(*values);
+  }
+  std::vector<std::uint32_t> corners;  // half-edges
+  for (auto it = mesh.hprops_begin(); it != mesh.hprops_end(); ++it) {
+    if (!*it || !(*it)->name().starts_with("h:")) continue;
+    for (std::size_t i = corners.size() / 3; i < faces.size(); ++i) {
+      const HalfedgeHandle first = mesh.halfedge_handle(FaceHandle(static_cast<int>(faces[i])));
+      HalfedgeHandle h = mesh.prev_halfedge_handle(first);  // ends in the first corner
+      for (int k = 0; k < 3; ++k, h = mesh.next_halfedge_handle(h)) corners.push_back(static_cast<std::uint32_t>(h.idx()));
+    }
+    if (auto values = numbers(**it, corners)) soup.corner_scalars[(*it)->name().substr(2)] = std::move(*values);
+  }
+  for (auto it = mesh.mprops_begin(); it != mesh.mprops_end(); ++it) {
+    if (!*it || !(*it)->name().starts_with(property::labels)) continue;
+    if (const auto* labels = dynamic_cast<const PropertyT<std::vector<std::string>>*>(*it))
+      soup.face_labels[(*it)->name().substr(std::string_view(property::labels).size())] = (*labels)[0];
   }
   return soup;
 }

@@ -384,3 +384,21 @@ TEST_CASE("build_mesh: an index out of range and an attribute of the wrong lengt
   context.cancel();
   CHECK_THROWS_AS(build_mesh(soup_of(grid(2, 2)), context), Cancelled);
 }
+
+TEST_CASE("build_mesh: values of corners and labels go to the mesh and come back, also where triangles are reversed") {
+  Soup soup;
+  soup.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 2, 4}};  // the last one disagrees
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t v : t) soup.corner_scalars["s"].push_back(v + 0.5);
+  soup.face_scalars["group"] = {0, 1, 1};
+  soup.face_labels["group"] = {"left", "right"};
+  Context context;
+  BuiltMesh built = build_mesh(soup, context);
+  const Soup back = to_soup(view_of(built.mesh));
+  REQUIRE(back.triangles.size() == 3);
+  CHECK(back.face_labels == soup.face_labels);
+  CHECK(back.face_scalars == soup.face_scalars);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k) CHECK(back.corner_scalars.at("s")[3 * i + k] == back.triangles[i][k] + 0.5);
+}

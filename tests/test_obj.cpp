@@ -66,8 +66,47 @@ TEST_CASE("obj: groups become parts; what is not kept is counted") {
   parsed("mtllib a.mtl\no lid\n" + vertices + "g left right\nusemtl red\ns off\nvt 0 0\nf 1 2 3\nl 1 2\np 1\n", "a.obj",
          &info);
   CHECK(info.parts == std::vector<std::string>{"lid", "left right"});
-  CHECK(has_note(info.notes, "1 l, 1 mtllib, 1 p, 1 s, 1 usemtl"));
+  CHECK(has_note(info.notes, "1 l, 1 mtllib, 1 p, 1 s"));
   CHECK(has_note(info.notes, "1 texture coordinates"));
+}
+
+TEST_CASE("obj: texture coordinates of corners, objects, groups and materials are kept, and come back as they were written") {
+  const std::string text = vertices +
+                           "vt 0.25 0.5\nvt 1 0\nvt 0 1\nvt 0.1 0.2\n"
+                           "f 1/1 2/2 3/3\ng left\nusemtl red\nf 1/4 3/2 4/1\ng right\nusemtl blue\nf 2 3 4\ng left\nf 1/1 2/2 4/4\n";
+  const Soup soup = parsed(text, "a.obj");
+  REQUIRE(soup.triangles.size() == 4);
+  CHECK(soup.face_labels.at("group") == std::vector<std::string>{"left", "right"});
+  CHECK(soup.face_scalars.at("group") == std::vector<double>{-1, 0, 1, 0});
+  CHECK(soup.face_labels.at("material") == std::vector<std::string>{"red", "blue"});
+  CHECK(soup.face_scalars.at("material") == std::vector<double>{-1, 0, 1, 1});
+  const std::vector<double>&s = soup.corner_scalars.at("s"), &t = soup.corner_scalars.at("t");
+  REQUIRE(s.size() == 12);
+  CHECK(s[0] == 0.25);
+  CHECK(t[0] == 0.5);
+  CHECK(s[3] == 0.1);
+  CHECK(s[5] == 0.25);
+  CHECK(std::isnan(s[6]));
+  CHECK(t[11] == 0.2);
+  const Soup back = round_trip(soup, "a.obj");
+  CHECK(back.triangles == soup.triangles);
+  CHECK(back.face_labels == soup.face_labels);
+  CHECK(back.face_scalars == soup.face_scalars);
+  for (std::size_t i = 0; i < 12; ++i) {
+    CHECK((back.corner_scalars.at("s")[i] == s[i] || std::isnan(s[i])));
+    CHECK((back.corner_scalars.at("t")[i] == t[i] || std::isnan(t[i])));
+  }
+}
+
+TEST_CASE("obj: the corners of a polygon keep their texture coordinates when it is cut") {
+  // A concave quadrilateral, which no fan from its first corner cuts rightly.
+  const Soup soup = parsed("v 1 1 0\nv 0 3 0\nv 0 0 0\nv 3 0 0\nvt 1 1\nvt 0 3\nvt 0 0\nvt 3 0\nf 2/2 3/3 4/4 1/1\n", "a.obj");
+  REQUIRE(soup.triangles.size() == 2);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Vec3& p = soup.points[soup.triangles[i / 3][i % 3]];
+    CHECK(soup.corner_scalars.at("s")[i] == p[0]);
+    CHECK(soup.corner_scalars.at("t")[i] == p[1]);
+  }
 }
 
 TEST_CASE("obj: every bad file is refused with its line") {

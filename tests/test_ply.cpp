@@ -293,3 +293,26 @@ TEST_CASE("ply: an empty mesh is written and read") {
   CHECK(back.points.empty());
   CHECK(back.triangles.empty());
 }
+
+TEST_CASE("ply: texture coordinates of corners are kept, also by polygons, and written again") {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  const Soup soup = parsed(header + "4 0 1 2 3 8 0 0 0.5 0 0.5 0.5 0 0.5\n3 0 1 2 0\n", "a.ply");
+  REQUIRE(soup.triangles.size() == 3);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Vec3& p = soup.points[soup.triangles[i / 3][i % 3]];
+    CHECK(soup.corner_scalars.at("s")[i] == p[0] / 2);
+    CHECK(soup.corner_scalars.at("t")[i] == p[1] / 2);
+  }
+  CHECK(std::isnan(soup.corner_scalars.at("s")[6]));
+  for (const bool ascii : {false, true}) {
+    const Soup back = round_trip(soup, "a.ply", ascii);
+    for (std::size_t i = 0; i < 6; ++i) CHECK(back.corner_scalars.at("t")[i] == soup.corner_scalars.at("t")[i]);
+    CHECK(std::isnan(back.corner_scalars.at("t")[8]));
+  }
+  MeshFileInfo info;
+  CHECK(parsed(header + "4 0 1 2 3 3 0 0 1\n3 0 1 2 0\n", "a.ply", &info).corner_scalars.empty());
+  CHECK(has_note(info.notes, "lists texcoord of 1 faces"));
+}

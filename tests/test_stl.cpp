@@ -148,10 +148,11 @@ TEST_CASE("stl: every bad binary file is refused with its byte") {
             .file() == "a.stl");
 }
 
-TEST_CASE("stl: attribute bytes are counted in a note") {
-  MeshFileInfo info;
-  parsed(binary_stl("", {facet_bytes(first_facet, 5), facet_bytes(second_facet)}), "a.stl", &info);
-  CHECK(has_note(info.notes, "of 1 facets"));
+TEST_CASE("stl: attribute bytes are a face scalar, and written again; without any there is none") {
+  const Soup soup = parsed(binary_stl("", {facet_bytes(first_facet), facet_bytes(second_facet, 5)}), "a.stl");
+  CHECK(soup.face_scalars.at("attribute") == std::vector<double>{0, 5});
+  CHECK(round_trip(soup, "a.stl").face_scalars == soup.face_scalars);
+  CHECK(parsed(binary_stl("", {facet_bytes(first_facet), facet_bytes(second_facet)}), "a.stl").face_scalars.empty());
 }
 
 TEST_CASE("stl: writes and reads back the same soup where floats hold it") {

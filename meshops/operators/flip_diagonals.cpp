@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/corner_values.hpp"
+
 namespace tri {
 namespace {
 
@@ -146,7 +148,7 @@ class Flipper {
     std::array<std::optional<std::int64_t>, 4> sides;
     for (int k = 0; k < 4; ++k) sides[k] = side_excess(quad, k);
     const Ends ends = ends_of(quad);
-    mesh_.flip(quad.edge);
+    flip_edge(mesh_, quad.edge);
     if (const auto it = blocked_.find(ends); it != blocked_.end()) {
       for (const EdgeHandle e : it->second) enter(e);
       blocked_.erase(it);
