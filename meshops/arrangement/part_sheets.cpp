@@ -63,7 +63,7 @@ class Parter {
     r.first = static_cast<std::uint32_t>(out_.triangles.size());
     r.base = (a * la + b * lb + c * lc) / (la + lb + lc);
     r.direction = n * (b_.sheet[t] / twice_area);
-    r.height = std::min(height_, 0.1 * inradius);
+    r.height = std::max(1.0, std::min(height_, 0.1 * inradius));
     out_.points.push_back({});
     out_.point.push_back(none);
     place(r);
@@ -125,8 +125,9 @@ class Parter {
             if (u == t) return;
             const GridTriangle theirs = corners(u);
             if (normal_of(theirs[0], theirs[1], theirs[2]) == GridPoint{}) return;
-            meet(mine, my, theirs, ids(u, place_id), meeting);
-            if (!meeting.cuts()) return;
+            const Triangle their = ids(u, place_id);
+            meet(mine, my, theirs, their, meeting);
+            if (!meeting.cuts() && !falls_together(mine, my, theirs, their)) return;
             bad[r] = 1;
             if (owner_[u] != none) bad[owner_[u]] = 1;
           });
@@ -147,6 +148,14 @@ class Parter {
         place(raised_[r]);
       }
     }
+  }
+
+  /// Whether corners of different numbers have the same place, which `meet` does not expect.
+  static bool falls_together(const GridTriangle& a, const Triangle& ia, const GridTriangle& b, const Triangle& ib) {
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        if (ia[i] != ib[j] && a[i] == b[j]) return true;
+    return false;
   }
 
   Triangle ids(std::uint32_t t, const std::vector<std::uint32_t>& place_id) const {

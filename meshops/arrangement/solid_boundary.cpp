@@ -195,8 +195,14 @@ class Builder {
       int k = 0;  // the side without
       while (at[k] != none) ++k;
       const std::uint32_t a = v[k], b = v[(k + 1) % 3], c = v[(k + 2) % 3], bc = at[(k + 1) % 3], ca = at[(k + 2) % 3];
-      put(true, {a, b, bc});
-      put(false, {a, bc, ca});
+      // The same diagonal in both of two sheets, which run opposite ways.
+      if (out_.vertex[a][0] < out_.vertex[b][0]) {
+        put(true, {a, b, bc});
+        put(false, {a, bc, ca});
+      } else {
+        put(true, {a, b, ca});
+        put(false, {b, bc, ca});
+      }
       put(false, {ca, bc, c});
     } else {
       put(true, {at[0], at[1], at[2]});

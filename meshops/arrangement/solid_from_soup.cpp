@@ -95,22 +95,24 @@ void SolidFromSoup::take_triangles(Report& report) {
   closed_.triangles = std::move(taken);
 }
 
-void SolidFromSoup::run(Report& report, Context& context) {
+void SolidFromSoup::run(Report& report, bool tell_progress, Context& context) {
+  const auto done = [&](double share) {
+    if (tell_progress) context.progress("make-solid", share);
+  };
   take_triangles(report);
   if (closed_.triangles.empty()) return;
   std::vector<Vec3> places;
   for (const GridPoint& p : complex_.points) places.push_back(frame_.to_space(p));
   const std::vector<Triangle> given = std::move(closed_.triangles);
   closed_ = close_surface(places, given, context);
-  context.progress("make-solid", 0.1);
+  done(0.1);
   for (std::uint32_t t = 0; t < closed_.triangles.size(); ++t)
     complex_.faces.push_back({closed_.triangles[t], t, 1, t < closed_.given});
   const CrossingReport crossings = resolve_crossings(complex_, context);
-  context.progress("make-solid", 0.6);
+  done(0.6);
   const CellLabels labels = label_cells(complex_, context);
   if (is_solid(crossings, labels, context)) {
     report.figures.clear();
-    context.progress("make-solid", 1);
     return;
   }
   report.faces_reversed = closed_.reversed;
@@ -123,17 +125,9 @@ void SolidFromSoup::run(Report& report, Context& context) {
   }
   if (crossings.left > 0) report.skipped["pairs that still cross"] = crossings.left;
   const PlacedBoundary boundary = boundary_without_contacts(labels, report, context);
-  context.progress("make-solid", 0.9);
+  done(0.9);
   const std::vector<Vec3> result = places_of(boundary, labels, context);
-  Soup copy = soup_;
-  std::swap(copy, soup_);
-  try {
-    write(boundary, result, report);
-  } catch (...) {
-    std::swap(copy, soup_);
-    throw;
-  }
-  context.progress("make-solid", 1);
+  write(boundary, result, report);
 }
 
 /// Whether the soup, as it is numbered, is what would come out.

@@ -21,7 +21,7 @@ class SolidFromSoup {
   SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls);
 
   /// Changes the soup at the end, unless it is a solid already.
-  void run(Report& report, Context& context);
+  void run(Report& report, bool tell_progress, Context& context);
 
  private:
   void take_triangles(Report& report);

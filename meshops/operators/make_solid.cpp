@@ -7,6 +7,11 @@
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
+namespace {
+
+constexpr int passes = 4;
+
+}  // namespace
 
 const OptionSchema& MakeSolidOptions::schema() {
   using O = MakeSolidOptions;
@@ -24,8 +29,24 @@ Report make_solid(Soup& soup, const MakeSolidOptions& options, Context& context)
   context.checkpoint();
   Report report;
   report.operation = "make-solid";
-  SolidFromSoup solid(soup, options.max_deviation, options.keep_walls);
-  solid.run(report, context);
+  Soup work = soup;
+  SolidFromSoup(work, options.max_deviation, options.keep_walls).run(report, true, context);
+  // What the rounding of new vertices made cross is found by looking again; a solid is only looked at.
+  for (int pass = 1; pass < passes && !report.unchanged(); ++pass) {
+    Report again;
+    SolidFromSoup(work, options.max_deviation, options.keep_walls).run(again, false, context);
+    if (again.unchanged()) break;
+    report.figures["passes"] = pass + 1;
+    report.skipped = again.skipped;
+    report.touched_faces = again.touched_faces;
+    report.vertices_added += again.vertices_added;
+    report.vertices_removed += again.vertices_removed;
+    report.vertices_moved += again.vertices_moved;
+    report.faces_added += again.faces_added;
+    report.faces_removed += again.faces_removed;
+  }
+  if (!report.unchanged()) soup = std::move(work);
+  context.progress("make-solid", 1);
   return report;
 }
 
