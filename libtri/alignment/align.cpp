@@ -175,9 +175,16 @@ class Alignment {
     return gain <= no_gain || gain * independent <= chance_gain;
   }
 
+  // As they are the points are nowhere near the model, whose closest points would take long to find from there.
+  bool far_away(const ScanSubset& scan, double factor) {
+    return (scan.centre - centre_).norm() > diagonal() ||
+           factor * subset().half_radius > too_large * extent_of(samples().points).half_radius;
+  }
+
   // True if the points lie on the model as they are; then the result is set.
   bool in_place() {
     if (points_.size() < in_place_points) return false;
+    if (far_away(subset(), 1)) return false;
     const auto before = target_.residuals(sample_.points, sample_.normals, Pose(), quiet_);
     const FitQuality first = fit_quality(before, neighbours_, size());
     if (!(first.median <= in_place_distance * diagonal())) return false;
@@ -244,7 +251,8 @@ class Alignment {
     o.diagonal = diagonal();
     o.probe_radius = options_.probe_radius;
     o.seed = options_.seed;
-    const std::vector<Pose> starts{Pose()};
+    std::vector<Pose> starts;
+    if (!far_away(scan, factor)) starts.emplace_back();
     const auto coarse = search_poses(scan, samples(), starts, o, context_);
     lap("search");
     auto candidates = refine_candidates(target_, coarse, starts, sample, scan.centre, scan.radius, context_);
