@@ -17,6 +17,7 @@
 #include "libtri/shell/edit_mesh.hpp"
 #include "libtri/shell/triangle_cost.hpp"
 #include "libtri/shell/triangle_geometry.hpp"
+#include "meshops/disjoint_sets.hpp"
 #include "meshops/polygon_triangulation.hpp"
 #include "meshops/self_intersections.hpp"
 
@@ -36,7 +37,8 @@ constexpr double much = 0.005;    ///< of the area
 constexpr int most_rounds = 6;    ///< over what still bridges
 constexpr int most_attempts = 4;  ///< at a region whose best triangulations cross others
 constexpr int most_crossing_rounds = 3;
-constexpr std::size_t most_in_vain = 100;  ///< regions of crossings in turn that nothing helped: solids that touch
+constexpr double most_rise = 1.1;          ///< of a region's sum, for fewer crossings
+constexpr std::size_t most_in_vain = 100;  ///< regions of crossings in turn that nothing helped
 constexpr int zone_steps = 14;             ///< triangles around a bridging one that may change
 constexpr std::size_t most_changes = 400;  ///< before the search for crossings is sorted anew; more in a large zone
 constexpr std::size_t block = 8192;        ///< triangles
@@ -268,7 +270,8 @@ class Lessener {
         const std::int32_t o = mesh_.neighbors[r][k];
         if (o >= 0) before += (in_region(o) ? 0.5 : 1) * fold(side_of(mesh_.triangles[r]), side_of(mesh_.triangles[o]));
       }
-    weigh_all(aim == Aim::bridges ? before : infinity);
+    const double most = aim == Aim::bridges ? before * (1 - 1e-7) : before * most_rise;
+    weigh_all(most);
     patch_.clear();
     for (std::int32_t r : region_) patch_.push_back(mesh_.triangles[r]);
     const long crossings = count_crossings();
@@ -289,7 +292,7 @@ class Lessener {
             return sum;
           },
           chosen_);
-      if (!best || (aim == Aim::bridges && !(*best < before * (1 - 1e-7)))) return false;
+      if (!best || !(*best < most)) return false;
       patch_.clear();
       for (const RingTriangle& c : chosen_) patch_.push_back({ring_[c[0]], ring_[c[1]], ring_[c[2]]});
       const long now = count_crossings();
@@ -536,8 +539,13 @@ bool mend_crossings(std::span<const Vec3> points, std::span<const Foot> feet, co
                     double tolerance, std::span<const std::array<std::uint32_t, 2>> pairs, PointMesh& mesh,
                     Context& context) {
   if (pairs.empty()) return false;
+  DisjointSets parts(points.size());
+  for (const Triangle& t : mesh.triangles) parts.join(t[0], t[1]), parts.join(t[0], t[2]);
   std::vector<std::uint32_t> tangled;
-  for (const auto& pair : pairs) tangled.insert(tangled.end(), pair.begin(), pair.end());
+  for (const auto& pair : pairs)
+    if (parts.find(mesh.triangles[pair[0]][0]) == parts.find(mesh.triangles[pair[1]][0]))
+      tangled.insert(tangled.end(), pair.begin(), pair.end());
+  if (tangled.empty()) return false;
   std::sort(tangled.begin(), tangled.end());
   tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
   BridgeTest test(feet, registration, tolerance, context.threads);

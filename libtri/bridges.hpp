@@ -39,7 +39,8 @@ Bridges lessen_bridges(std::span<const Vec3> points, std::span<const Foot> feet,
                        double tolerance, PointMesh& mesh, Context& context);
 
 /// Triangulates regions around triangles that cross others anew where that leaves fewer crossings, as `lessen_bridges`
-/// does for bridges: for crossings that no flip of one edge undoes.
+/// does for bridges: for crossings that no flip of one edge undoes. Parts of the mesh that are not connected keep the
+/// crossings between them: solids of an assembly that touch have such places, and no triangulation is without.
 ///
 /// @param pairs  the crossings, as `self_intersections` gives them
 /// @return whether the mesh changed
