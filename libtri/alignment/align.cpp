@@ -196,10 +196,12 @@ class Alignment {
     const FitQuality second = fit_quality(after, neighbours_, size());
     lap("refine from the points as they are");
     if (first.sigma > in_place_ratio * second.sigma + 1e-5 * diagonal()) return false;
-    if (!near_start(refined.pose)) return false;
     if (!fits(second, size())) return false;
+    const bool no_better = no_better_than_identity(refined.pose, after, second);
+    // Along a motion that the points do not fix the refinement may go far, and the points lie as well as before.
+    if (!near_start(refined.pose) && !(no_better && fits(first, size()))) return false;
     result_.iterations = refined.steps;
-    if (no_better_than_identity(refined.pose, after, second)) {
+    if (no_better) {
       result_.kept = true;
       set_quality(before, before.size());
     } else {
@@ -297,6 +299,13 @@ class Alignment {
     if (ratio >= too_small && ratio <= too_large && (found.empty() || !fits(found.front().quality, size())) &&
         other_unit())
       return;
+    if (found.empty()) {
+      result_.reasons.push_back(fmt::format(
+          "no pose brings the points near the model: their middle is {:.4g} mm from the model's, their radius {:.4g} mm, "
+          "the model's {:.4g} mm",
+          (subset().centre - centre_).norm(), subset().radius, model_radius()));
+      return;
+    }
     choose(found);
     refine_last(result_.pose);
     describe_alternatives(found);
