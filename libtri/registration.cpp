@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <thread>
 
@@ -16,6 +17,7 @@
 #include "libtri/surface_patch.hpp"
 #include "libtri/trim_region.hpp"
 #include "meshops/box_tree.hpp"
+#include "meshops/random_stream.hpp"
 
 namespace tri {
 
@@ -273,6 +275,9 @@ void Registration::Impl::Search::visit(std::uint32_t item, const Vec3& p, Candid
 
 void Registration::Impl::Search::begin(const Vec3& p, Candidate& best) {
   best.tie = impl.tie;
+  best.faces = impl.model.faces.data();
+  best.chance = 0;
+  for (int k = 0; k < 3; ++k) best.chance = mix_bits(best.chance ^ std::bit_cast<std::uint64_t>(p[k] + 0.0));
   ++serial;
   if (warm != none) visit(warm, p, best);
 }

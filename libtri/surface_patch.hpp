@@ -9,6 +9,7 @@
 #include "libtri/trim_region.hpp"
 #include "meshops/box_tree.hpp"
 #include "meshops/context.hpp"
+#include "meshops/random_stream.hpp"
 
 namespace tri {
 
@@ -24,13 +25,24 @@ struct Candidate {
   bool boundary = false;   ///< and that is a trimming curve, not a seam, pole or kink
   double t = 0;            ///< parameter on that curve
   double tie = 0;          ///< mm: distances that differ by less are equal
+  const CadFace* faces = nullptr;  ///< CadModel::faces
+  std::uint64_t chance = 0;        ///< a number that depends on the point alone
 
   /// True if a place at distance `other` is to replace this one: nearer, or as near and on a trimming curve where this
-  /// is not, or as near and on a face of lower index. So the winner does not depend on which came first.
+  /// is not, or as near and on a face that goes before. So the winner does not depend on which came first.
   bool yields_to(double other, bool other_boundary, std::uint32_t other_face, std::uint32_t other_item) const {
     if (other_boundary != boundary) return other_boundary ? other <= distance + tie : other < distance - tie;
     if (other_face == face) return other < distance || (other == distance && other_item < item);
-    return std::abs(other - distance) <= tie ? other_face < face : other < distance;
+    return std::abs(other - distance) <= tie ? goes_before(other_face, face) : other < distance;
+  }
+
+  /// Which of two faces as near as each other has the point: of one shell the one of lower index. Where shells touch,
+  /// chance shares the points out, so that neither shell goes without.
+  bool goes_before(std::uint32_t a, std::uint32_t b) const {
+    if (faces[a].shell == faces[b].shell) return a < b;
+    const std::uint64_t first = mix_bits(chance ^ static_cast<std::uint64_t>(faces[a].shell));
+    const std::uint64_t second = mix_bits(chance ^ static_cast<std::uint64_t>(faces[b].shell));
+    return first != second ? first < second : a < b;
   }
 };
 

@@ -7,12 +7,6 @@ namespace {
 
 constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
 
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
 // The natural logarithm of x > 0 by the series of atanh.
 double logarithm(double x) {
   int exponent;
@@ -30,10 +24,10 @@ double logarithm(double x) {
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t stream, std::uint64_t substream)
-    : state_(mix(mix(mix(seed + golden) + stream + golden) + substream + golden)) {}
+    : state_(mix_bits(mix_bits(mix_bits(seed + golden) + stream + golden) + substream + golden)) {}
 
 std::uint64_t RandomStream::bits() {
-  return mix(state_ += golden);
+  return mix_bits(state_ += golden);
 }
 
 double RandomStream::uniform() {

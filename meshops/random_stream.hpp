@@ -6,6 +6,13 @@
 
 namespace tri {
 
+/// A number whose every bit depends on every bit of `z`: the finalizer of SplitMix64.
+constexpr std::uint64_t mix_bits(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  return z ^ (z >> 31);
+}
+
 /// Random numbers that are the same on every platform: SplitMix64 [Steele, Lea & Flood 2014], and only operations that
 /// IEEE 754 rounds correctly (the standard library's distributions and logarithms differ between platforms).
 ///

@@ -7,6 +7,7 @@
 #include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
+#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <GeomAPI_ProjectPointOnCurve.hxx>
@@ -16,6 +17,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
@@ -282,5 +284,27 @@ TEST_CASE("registration: a tie of any kind goes to the face of the lowest index"
     CAPTURE(points[i]);
     CHECK(feet[i].face == lowest(points[i]));
   }
+  check_order(model, points);
+}
+
+TEST_CASE("registration: where two solids touch each gets its share of the points, in any order of them") {
+  BRep_Builder builder;
+  TopoDS_Compound both;
+  builder.MakeCompound(both);
+  builder.Add(both, BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 0), gp_Pnt(10, 10, 10)).Shape());
+  builder.Add(both, BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 10), gp_Pnt(10, 10, 20)).Shape());
+  const CadModel model = make_cad_model(make_shape(both));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(1, 9), noise(-0.1, 0.1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 2000; ++i) points.emplace_back(place(random), place(random), 10 + noise(random));
+  Context context;
+  int lower = 0;
+  for (const Foot& foot : Registration(model).register_points(points, context)) {
+    CHECK(foot.point[2] == doctest::Approx(10));
+    lower += foot.face < 6;
+  }
+  // Half of them, give or take six standard deviations.
+  CHECK(std::abs(lower - 1000) < 135);
   check_order(model, points);
 }
