@@ -6,6 +6,7 @@
 #include "libtri/crossing_search.hpp"
 #include "libtri/shell/edit_mesh.hpp"
 #include "meshops/overlap_tree.hpp"
+#include "meshops/disjoint_sets.hpp"
 #include "meshops/self_intersections.hpp"
 
 namespace tri {
@@ -21,7 +22,9 @@ using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 /// Works on the triangles around the crossings only: a mesh of millions with a few crossings costs little more than finding them.
 class Untangler {
  public:
-  Untangler(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh, const Pairs& pairs) : points_(points), feet_(feet) {
+  Untangler(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh, const Pairs& pairs)
+      : points_(points), feet_(feet), parts_(points.size()) {
+    for (const Triangle& t : mesh.triangles) parts_.join(t[0], t[1]), parts_.join(t[0], t[2]);
     edit_.triangles = std::move(mesh.triangles);
     edit_.neighbors = std::move(mesh.neighbors);
     edit_.creases.assign(edit_.triangles.size(), 0);
@@ -44,7 +47,8 @@ class Untangler {
   std::size_t round(const Pairs& pairs, const Context& context) {
     search_->refresh();
     std::vector<std::uint32_t> tangled;
-    for (const auto& pair : pairs) tangled.insert(tangled.end(), pair.begin(), pair.end());
+    for (const auto& pair : pairs)
+      if (within_part(pair)) tangled.insert(tangled.end(), pair.begin(), pair.end());
     std::sort(tangled.begin(), tangled.end());
     tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
     std::size_t flips = 0;
@@ -77,7 +81,8 @@ class Untangler {
   void collect_zone(const Pairs& pairs) {
     std::vector<Box> boxes;
     std::vector<std::uint32_t> ids;
-    for (const auto& pair : pairs)
+    for (const auto& pair : pairs) {
+      if (!within_part(pair)) continue;
       for (std::uint32_t t : pair) {
         Box box = box_of(edit_.triangles[t]);
         for (std::int32_t n : edit_.neighbors[t])
@@ -85,12 +90,19 @@ class Untangler {
         ids.push_back(static_cast<std::uint32_t>(boxes.size()));
         boxes.push_back(box);
       }
+    }
     const OverlapTree around(std::move(boxes), std::move(ids));
     for (std::uint32_t t = 0; t < edit_.triangles.size(); ++t) {
       bool near = false;
       around.overlapping(box_of(edit_.triangles[t]), 0, [&](std::uint32_t) { near = true; });
       if (near) zone_.push_back(t);
     }
+  }
+
+  /// Solids that touch cross each other wherever there is noise, in as many places as they have triangles there: no flip
+  /// cures that.
+  bool within_part(const std::array<std::uint32_t, 2>& pair) {
+    return parts_.find(edit_.triangles[pair[0]][0]) == parts_.find(edit_.triangles[pair[1]][0]);
   }
 
   Box box_of(const Triangle& t) const {
@@ -125,6 +137,7 @@ class Untangler {
   std::span<const Vec3> points_;
   std::span<const Foot> feet_;
   EditMesh edit_;
+  DisjointSets parts_;  // of vertices that triangles connect
   std::vector<std::uint32_t> zone_;  // ascending
   std::optional<CrossingSearch> search_;
 };

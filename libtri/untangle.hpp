@@ -12,7 +12,8 @@
 namespace tri {
 
 /// Flips edges of triangles that cross others while that lowers the number of crossing pairs. No point moves, the topology
-/// keeps, and no triangle is turned against the model for it.
+/// keeps, and no triangle is turned against the model for it. Crossings between parts that no triangles connect are left alone:
+/// solids that touch cross each other wherever there is noise, and no flip cures that.
 ///
 /// @param points  mm, measured positions
 /// @param feet    one per point, for the model's normals
