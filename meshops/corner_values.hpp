@@ -4,21 +4,19 @@
 
 namespace tri {
 
-/// Copies the values of a corner (properties "h:NAME" of the half-edge that ends in it, but for its status) to another one.
-inline void copy_corner_values(OpenMesh::TriConnectivity& mesh, HalfedgeHandle from, HalfedgeHandle to) {
+/// Calls `function(OpenMesh::BaseProperty&)` for every property of corners ("h:NAME", but for the status): the value of a
+/// half-edge belongs to the corner in which it ends.
+template <class Function>
+void for_each_corner_property(OpenMesh::TriConnectivity& mesh, const Function& function) {
   for (auto it = mesh.hprops_begin(); it != mesh.hprops_end(); ++it)
-    if (*it && (*it)->name().starts_with("h:") && (*it)->name() != "h:status")
-      (*it)->copy(static_cast<std::size_t>(from.idx()), static_cast<std::size_t>(to.idx()));
+    if (*it && (*it)->name().starts_with("h:") && (*it)->name() != "h:status") function(**it);
 }
 
-/// Flips an edge; the two corners that get new vertices take over what corners there had in the triangle beyond.
-/// @param edge with two triangles, whose other diagonal is no edge yet
-inline void flip_edge(OpenMesh::TriConnectivity& mesh, EdgeHandle edge) {
-  for (const int side : {0, 1}) {
-    const HalfedgeHandle h = mesh.halfedge_handle(edge, static_cast<unsigned>(side));
-    copy_corner_values(mesh, mesh.next_halfedge_handle(h), h);
-  }
-  mesh.flip(edge);
+/// Copies the values of a corner to another one.
+inline void copy_corner_values(OpenMesh::TriConnectivity& mesh, HalfedgeHandle from, HalfedgeHandle to) {
+  for_each_corner_property(mesh, [&](OpenMesh::BaseProperty& property) {
+    property.copy(static_cast<std::size_t>(from.idx()), static_cast<std::size_t>(to.idx()));
+  });
 }
 
 }  // namespace tri

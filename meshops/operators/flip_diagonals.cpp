@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/corner_values.hpp"
+#include "meshops/mesh_edit.hpp"
 
 namespace tri {
 namespace {
@@ -148,7 +148,7 @@ class Flipper {
     std::array<std::optional<std::int64_t>, 4> sides;
     for (int k = 0; k < 4; ++k) sides[k] = side_excess(quad, k);
     const Ends ends = ends_of(quad);
-    flip_edge(mesh_, quad.edge);
+    flip_edge(view_, quad.edge);
     if (const auto it = blocked_.find(ends); it != blocked_.end()) {
       for (const EdgeHandle e : it->second) enter(e);
       blocked_.erase(it);
@@ -258,7 +258,7 @@ class Flipper {
   static int count(std::size_t n) { return static_cast<int>(n); }
 
   MeshView view_;
-  OpenMesh::TriConnectivity& mesh_;
+  const OpenMesh::TriConnectivity& mesh_;
   const double sharp_angle_;
   Context& context_;
   Report report_;

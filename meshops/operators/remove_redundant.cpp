@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "meshops/local_spacing.hpp"
+#include "meshops/mesh_edit.hpp"
 
 namespace tri {
 namespace {
@@ -378,13 +379,13 @@ Report remove_redundant(MeshView view, const RemoveRedundantOptions& options, Co
   selection.run(report);
   context.checkpoint();
 
-  auto& mesh = view.mesh;
+  const auto& mesh = view.mesh;
   std::vector<VertexHandle> corners;
   for (int i = 0; i < static_cast<int>(mesh.n_faces()); ++i) {
     const FaceHandle f(i);
     if (!selection.goes(f)) continue;
     for (auto it = mesh.cfv_iter(f); it.is_valid(); ++it) corners.push_back(*it);
-    mesh.delete_face(f, false);
+    delete_face(view, f);
     ++report.faces_removed;
     report.touched_faces.push_back(static_cast<std::uint32_t>(i));
   }
@@ -393,7 +394,7 @@ Report remove_redundant(MeshView view, const RemoveRedundantOptions& options, Co
   for (const VertexHandle v : corners) {
     report.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
     if (options.keep_vertices || !mesh.is_isolated(v)) continue;
-    mesh.status(v).set_deleted(true);
+    delete_vertex(view, v);
     ++report.vertices_removed;
   }
   if (report.faces_removed > 0) context.progress("remove-redundant", 1);

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <OpenMesh/Core/Utils/Property.hh>
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <typeindex>
+#include <unordered_map>
+#include <utility>
+
+namespace tri {
+
+/// An element whose values another one inherits, and its share. The shares of one element sum to 1.
+struct WeightedIndex {
+  std::size_t index = 0;
+  double weight = 1;
+};
+
+/// The source with the greatest weight, the first of several. @param sources  at least one
+inline std::size_t greatest(std::span<const WeightedIndex> sources) {
+  return std::max_element(sources.begin(), sources.end(),
+                          [](const auto& a, const auto& b) { return a.weight < b.weight; })->index;
+}
+
+/// What can be done with the values of one type of OpenMesh property, without knowing the type. Every property passed
+/// must be of the type (`PropertyT<T>`). Stateless: may be called from any thread.
+class PropertyType {
+ public:
+  virtual ~PropertyType() = default;
+
+  /// Whether values of the type are averaged; others are copied.
+  virtual bool blends() const = 0;
+  /// Sets an element's value to the weighted mean of the sources' values, or, where the type does not blend, to the value
+  /// of the source with the greatest weight (the first of several). `to` may be a source.
+  virtual void blend(OpenMesh::BaseProperty& property, std::span<const WeightedIndex> sources, std::size_t to) const = 0;
+  /// Whether two elements have equal values; false for a type without `operator==`.
+  virtual bool equal(const OpenMesh::BaseProperty& property, std::size_t a, std::size_t b) const = 0;
+
+  /// An empty property of the same type, without a name: a place for values to be kept in.
+  virtual std::unique_ptr<OpenMesh::BaseProperty> make() const = 0;
+  /// Appends a copy of an element's value to a place made by `make`.
+  virtual void keep(const OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place) const = 0;
+  /// Swaps an element's value with one that was kept.
+  virtual void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place,
+                    std::size_t kept) const = 0;
+};
+
+namespace property_values {
+
+/// A vector of fixed length whose components are T: OpenMesh's VectorT, Eigen's vectors.
+template <class T>
+concept Sequence = requires(T value) {
+  { value[0] };
+  { value.size() };
+} && !requires(T value) { value.push_back(value[0]); } && !requires { requires !T::IsVectorAtCompileTime; };
+
+template <class T>
+struct ComponentOf {
+  using Type = void;
+};
+template <Sequence T>
+struct ComponentOf<T> {
+  using Type = std::remove_cvref_t<decltype(std::declval<T&>()[0])>;
+};
+template <class T>
+using Component = typename ComponentOf<T>::Type;
+
+/// Floating-point numbers and vectors of them are averaged, and vectors of three or four bytes, which are colours.
+template <class T>
+constexpr bool blends() {
+  if constexpr (std::is_floating_point_v<T>) {
+    return true;
+  } else if constexpr (Sequence<T>) {
+    if constexpr (std::is_floating_point_v<Component<T>>) return true;
+    return std::is_same_v<Component<T>, unsigned char> && (sizeof(T) == 3 || sizeof(T) == 4);
+  } else {
+    return false;
+  }
+}
+
+/// A component of a mean; bytes are rounded, and end at 0 and 255.
+template <class T>
+T component(double mean) {
+  if constexpr (std::is_floating_point_v<T>)
+    return static_cast<T>(mean);
+  else
+    return static_cast<T>(std::clamp<double>(std::round(mean), std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+}
+
+}  // namespace property_values
+
+template <class T>
+class PropertyTypeOf final : public PropertyType {
+  using Property = OpenMesh::PropertyT<T>;
+
+ public:
+  bool blends() const override { return property_values::blends<T>(); }
+
+  void blend(OpenMesh::BaseProperty& base, std::span<const WeightedIndex> sources, std::size_t to) const override {
+    if (sources.empty()) return;
+    Property& property = static_cast<Property&>(base);
+    if constexpr (std::is_floating_point_v<T>) {
+      property[static_cast<int>(to)] = mean(sources, [&](std::size_t i) { return property[static_cast<int>(i)]; });
+    } else if constexpr (property_values::blends<T>()) {
+      T result = property[static_cast<int>(sources.front().index)];
+      for (int k = 0; k < static_cast<int>(result.size()); ++k)
+        result[k] = property_values::component<property_values::Component<T>>(static_cast<double>(
+            mean(sources, [&](std::size_t i) { return property[static_cast<int>(i)][k]; })));
+      property[static_cast<int>(to)] = result;
+    } else {
+      base.copy(greatest(sources), to);
+    }
+  }
+
+  bool equal(const OpenMesh::BaseProperty& base, std::size_t a, std::size_t b) const override {
+    if constexpr (std::equality_comparable<T>) {
+      const Property& property = static_cast<const Property&>(base);
+      return property[static_cast<int>(a)] == property[static_cast<int>(b)];
+    } else {
+      return false;
+    }
+  }
+
+  std::unique_ptr<OpenMesh::BaseProperty> make() const override { return std::make_unique<Property>(); }
+  void keep(const OpenMesh::BaseProperty& base, std::size_t index, OpenMesh::BaseProperty& place) const override {
+    static_cast<Property&>(place).data_vector().push_back(static_cast<const Property&>(base)[static_cast<int>(index)]);
+  }
+  void swap(OpenMesh::BaseProperty& base, std::size_t index, OpenMesh::BaseProperty& place,
+            std::size_t kept) const override {
+    auto&& value = static_cast<Property&>(base)[static_cast<int>(index)];
+    auto&& other = static_cast<Property&>(place)[static_cast<int>(kept)];
+    T moved = std::move(value);
+    value = std::move(other);
+    other = std::move(moved);
+  }
+
+ private:
+  /// A source without weight adds nothing, not even if it is infinite.
+  template <class Value>
+  static auto mean(std::span<const WeightedIndex> sources, const Value& value) {
+    using Sum = std::conditional_t<std::is_same_v<T, long double>, long double, double>;
+    Sum sum = 0;
+    for (const WeightedIndex& s : sources)
+      if (s.weight != 0) sum += static_cast<Sum>(s.weight) * static_cast<Sum>(value(s.index));
+    return static_cast<std::conditional_t<std::is_floating_point_v<T>, T, Sum>>(sum);
+  }
+};
+
+/// The types of properties that can be averaged, compared and kept one by one. A property of any other type is copied from
+/// one element to another as a whole value, which every type can.
+class PropertyTypes {
+ public:
+  /// Arithmetic types, OpenMesh's vectors of one to six of them, strings, vectors of numbers, handles, status, Eigen's
+  /// vectors and square matrices of two to four rows, and the traits of `Mesh`. Immutable; may be read from any thread.
+  static const PropertyTypes& standard();
+
+  /// @param base  is asked for what was not added here; must outlive this
+  explicit PropertyTypes(const PropertyTypes* base = &standard()) : base_(base) {}
+
+  /// Adds `PropertyT<T>`. Blending is taken for floating-point numbers, fixed vectors of them, and colours of bytes.
+  template <class T>
+  void add() {
+    add(typeid(OpenMesh::PropertyT<T>), std::make_shared<PropertyTypeOf<T>>());
+  }
+  /// Adds a type with behaviour of its own. @param type  of the property, say typeid(OpenMesh::PropertyT<Weights>)
+  void add(std::type_index type, std::shared_ptr<const PropertyType> behaviour) { own_[type] = std::move(behaviour); }
+
+  /// Nullptr if the type is not known.
+  const PropertyType* find(const OpenMesh::BaseProperty& property) const;
+
+ private:
+  const PropertyTypes* base_;
+  std::unordered_map<std::type_index, std::shared_ptr<const PropertyType>> own_;
+};
+
+}  // namespace tri
