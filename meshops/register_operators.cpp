@@ -11,6 +11,7 @@
 #include "meshops/operators/remove_outliers.hpp"
 #include "meshops/operators/remove_redundant.hpp"
 #include "meshops/operators/resolve_t_junctions.hpp"
+#include "meshops/operators/smooth.hpp"
 #include "meshops/operators/split_non_manifold.hpp"
 #include "meshops/operators/stitch_boundaries.hpp"
 #include "meshops/operators/stitch_contours.hpp"
@@ -41,6 +42,8 @@ void register_operators(Registry& registry) {
   registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
                {.idempotent = false});
   registry.add("resolve-t-junctions", resolve_t_junctions, "Splits boundary edges where other boundary vertices lie on them");
+  registry.add("smooth", smooth, "Takes noise off by moving vertices; keeps creases, corners and boundary",
+               {.leaves_good_mesh = false, .idempotent = false});
   registry.add("split-non-manifold", split_non_manifold, "Takes sheets apart where edges and vertices are not manifold");
   registry.add("stitch-boundaries", stitch_boundaries, "Joins boundary edges that coincide or face each other across a gap");
   registry.add("stitch-contours", stitch_contours, "Joins boundary contours that face each other by strips of triangles",
