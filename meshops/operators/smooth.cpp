@@ -12,6 +12,7 @@
 #include "meshops/error.hpp"
 #include "meshops/features.hpp"
 #include "meshops/for_each_block.hpp"
+#include "meshops/mesh_edit.hpp"
 #include "meshops/vertex_rows.hpp"
 
 namespace tri {
@@ -219,7 +220,7 @@ class Smoother {
 
   void store() {
     context_.checkpoint();
-    for (const std::uint32_t i : report_.touched_vertices) view_.point(VertexHandle(static_cast<int>(i))) = points_[i];
+    for (const std::uint32_t i : report_.touched_vertices) set_point(view_, VertexHandle(static_cast<int>(i)), points_[i]);
   }
 
   MeshView view_;
