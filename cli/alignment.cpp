@@ -7,7 +7,9 @@
 #include <cmath>
 #include <utility>
 
+#include "cli/number_checks.hpp"
 #include "io/pose_file.hpp"
+#include "libtri/alignment/probe.hpp"
 
 namespace tri::cli {
 namespace {
@@ -53,12 +55,19 @@ void add_align_options(CLI::App& command, AlignInput& input) {
       ->excludes(pose);
   command.add_option("--seed", input.seed, "Of the random choices of the search; the same seed gives the same pose")
       ->capture_default_str();
+  command
+      .add_option("--probe-radius", input.probe_radius,
+                  "The points are centres of a ball of this radius in mm that touched the part: they are fitted so far off "
+                  "the model; `align` keeps the centres, the other commands go on with the places that the ball touched")
+      ->check(not_negative())
+      ->capture_default_str();
 }
 
 AlignOptions align_options(const AlignInput& input, double factor) {
   AlignOptions options;
   options.mode = align_mode(input.mode);
   options.seed = input.seed;
+  options.probe_radius = input.probe_radius;
   if (!input.pose.empty()) options.start = read_pose(input.pose);
   if (!input.pairs.empty()) {
     PointPairs pairs = read_pairs(input.pairs);
@@ -69,7 +78,7 @@ AlignOptions align_options(const AlignInput& input, double factor) {
 }
 
 Json to_json(const AlignInput& input) {
-  Json json{{"align", input.mode}, {"pose", nullptr}, {"pairs", nullptr}, {"seed", input.seed}};
+  Json json{{"align", input.mode}, {"pose", nullptr}, {"pairs", nullptr}, {"seed", input.seed}, {"probe_radius", input.probe_radius}};
   if (!input.pose.empty()) json["pose"] = input.pose;
   if (!input.pairs.empty()) json["pairs"] = input.pairs;
   return json;
@@ -140,16 +149,21 @@ void require_fit(const AlignResult& result, double factor) {
   throw Error(text);
 }
 
-std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model, const Registration* registration,
-                                        PointSet& set, double factor, Program& program) {
+std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model, const Registration& registration,
+                                        std::vector<Vec3>& points, std::vector<Vec3>& normals, double factor,
+                                        Context& context) {
   const AlignOptions options = align_options(input, factor);
-  if (options.mode == AlignMode::none && !options.start) return std::nullopt;
-  std::optional<Registration> own;
-  if (!registration) registration = &own.emplace(model, program.context);
-  AlignResult result = align(model, *registration, set.points, set.normals, options, program.context);
-  require_fit(result, factor);
-  if (!result.pose.is_identity())
-    for (Vec3& p : set.points) p = result.pose(p);
+  std::optional<AlignResult> result;
+  if (options.mode != AlignMode::none || options.start) {
+    result = align(model, registration, points, normals, options, context);
+    // A pose that was given is the user's to judge; the deviations say how well it fits.
+    if (options.mode != AlignMode::none) require_fit(*result, factor);
+    if (!result->pose.is_identity()) {
+      for (Vec3& p : points) p = result->pose(p);
+      for (Vec3& n : normals) n = result->pose.turn(n);
+    }
+  }
+  if (options.probe_radius > 0) points = touched_places(registration, points, options.probe_radius, context);
   return result;
 }
 

@@ -14,9 +14,10 @@ namespace tri::cli {
 struct AlignInput {
   std::string mode = "auto", pose, pairs;
   std::uint64_t seed = 1;
+  double probe_radius = 0;  ///< mm
 };
 
-/// Adds --align, --pose, --pairs and --seed to a command.
+/// Adds --align, --pose, --pairs, --seed and --probe-radius to a command.
 void add_align_options(CLI::App& command, AlignInput& input);
 
 /// What they say; reads the files they name.
@@ -38,11 +39,12 @@ std::string unit_option(const AlignResult& result, double factor);
 /// @throws Error with numbers if the points do not fit the model. @param factor as `unit_option`
 void require_fit(const AlignResult& result, double factor);
 
-/// Moves the points onto the model as the options say; nothing where they are to be taken as they are.
-/// @param registration  of the model; null: one is made if it is needed
-/// @param factor  as `unit_option`
+/// Moves points and normals onto the model as the options say, not at all where they are to be taken as they are. Centres
+/// of a probe's ball become the places that it touched.
+/// @param normals  of the points, or empty @param factor  as `unit_option`
 /// @throws Error if they do not fit, and as `align_options` and `align`
-std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model, const Registration* registration,
-                                        PointSet& set, double factor, Program& program);
+std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model, const Registration& registration,
+                                        std::vector<Vec3>& points, std::vector<Vec3>& normals, double factor,
+                                        Context& context);
 
 }  // namespace tri::cli

@@ -21,7 +21,7 @@ struct Arguments {
   std::string points, output, pose, report, metric = "plane";
   PointUnits units;
   PointsPreparation preparation;
-  double probe_radius = 0, keep = 1;
+  double keep = 1;
   bool json = false;
 };
 
@@ -36,14 +36,13 @@ int run(const Arguments& a, Program& program) {
   const double factor = factor_of(a.units, file);
   AlignOptions options = align_options(a.align, factor);
   options.metric = a.metric == "point" ? Metric::point : Metric::plane;
-  options.probe_radius = a.probe_radius;
   options.keep = a.keep;
   const Registration registration(model, context);
   const AlignResult result = align(model, registration, set.points, set.normals, options, context);
   context.checkpoint();
 
   nlohmann::ordered_json given{{"cad", a.model.path},        {"points", a.points}, {"sew", a.model.sew}, {"metric", a.metric},
-                               {"probe_radius", a.probe_radius}, {"keep", a.keep}};
+                               {"keep", a.keep}};
   given.update(to_json(a.align));
   given.update(to_json(a.units, file));
   given.update(to_json(a.preparation));
@@ -94,12 +93,6 @@ void add_align_command(CLI::App& app, Program& program) {
   command->add_option("--keep", a->keep, "Share of the points that count in each step, those nearest to the model, in (0, 1]")
       ->check(CLI::Range(1e-6, 1.0))
       ->capture_default_str();
-  command
-      ->add_option("--probe-radius", a->probe_radius,
-                   "The points are centres of a ball of this radius in mm that touched the part: they are fitted so far off "
-                   "the model")
-      ->check(not_negative())
-      ->capture_default_str();
   add_units_option(*command, a->units);
   add_preparation_options(*command, a->preparation);
   command->add_flag("--json", a->json, "The report on standard output");
@@ -115,7 +108,6 @@ void add_align_command(CLI::App& app, Program& program) {
       "  tri align --cad part.step more.xyz --pose pose.json --align none -o aligned.xyz");
   command->callback([a, &program] {
     require_extension(a->output, points_extensions, "the points");
-    if (!std::isfinite(a->probe_radius)) throw UsageError("--probe-radius is not a finite number");
     program.action = [a, &program] { return run(*a, program); };
   });
 }

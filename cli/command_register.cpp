@@ -25,7 +25,7 @@ struct Arguments {
   ModelInput model;
   std::string points, output, report;
   PointUnits units;
-  AlignInput align{.mode = "none", .pose = "", .pairs = ""};
+  AlignInput align{.mode = "none"};
   double far = 0;  // mm; 0 for a share of the diagonal
   bool json = false;
 };
@@ -138,13 +138,13 @@ int run(const Arguments& a, Program& program) {
   const Registration registration(model, context);
   time("index_model");
   const std::optional<AlignResult> alignment =
-      align_points(a.align, model, &registration, set, factor_of(a.units, file), program);
+      align_points(a.align, model, registration, set.points, set.normals, factor_of(a.units, file), context);
   time("align");
   const std::vector<Foot> feet = registration.register_points(set.points, context);
   time("register");
   const Summary summary = summarise(feet, model, a, context);
   context.checkpoint();
-  write_registration(a.output, set.points, feet, model, context);
+  write_registration(a.output, set, feet, model, context);
   time("write");
   Json report = report_json(summary, model, a, file, seconds);
   if (alignment) report["alignment"] = to_json(*alignment);
@@ -185,7 +185,8 @@ void add_register_command(CLI::App& app, Program& program) {
       "of the points: (x,y,z) the point in mm, aligned if asked for, face the number of the closest face, (u,v) on that face's own surface,\n"
       "(fx,fy,fz) the closest point on the trimmed model, deviation positive outside, on_edge 1 where that closest\n"
       "point lies on a trimming curve. In PLY index and face are called point_index and cad_face. Points on an edge\n"
-      "belong to the adjacent face of the lowest number.\n\n"
+      "belong to the adjacent face of the lowest number. Normals, intensity, colours and further columns of the points\n"
+      "follow.\n\n"
       "Examples:\n"
       "  tri register --cad part.step scan.xyz -o registered.csv\n"
       "  tri register --cad lid.igs lid.xyz -o lid.ply --report lid.json\n"

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "cli/commands.hpp"
+#include "cli/model_input.hpp"
 #include "cli/number_checks.hpp"
-#include "io/cad_file.hpp"
 #include "io/json_file.hpp"
 #include "io/points_file.hpp"
 #include "io/truth_file.hpp"
@@ -43,7 +43,7 @@ int run(const Arguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.truth, a.pose})
     if (!path.empty()) check_output(path);
-  const CadFile cad = read_cad(a.cad, context);
+  const CadFile cad = read_cad_or_end(a.cad, context);
   const VirtualMeasurement m = measure(cad.shape, a.options, context);
   if (!program.quiet)
     for (const int face : m.unusable_faces) print_note(fmt::format("face {} cannot be sampled and holds no point", face));

@@ -76,8 +76,10 @@ int run(const Arguments& a, Program& program) {
   PointsFileInfo file;
   PointSet set = background.get(&file);
   const PreparedPoints prepared = prepare(set, a.preparation, context);
-  const std::optional<AlignResult> alignment = align_points(a.align, model, nullptr, set, factor_of(a.units, file), program);
-  TriangulateResult result = triangulate(model, set.points, options_of(a), context);
+  const Registration registration(model, context);
+  const std::optional<AlignResult> alignment =
+      align_points(a.align, model, registration, set.points, set.normals, factor_of(a.units, file), context);
+  TriangulateResult result = triangulate(model, registration, set.points, options_of(a), context);
   context.checkpoint();
 
   prepared.name_as_in_file(result.outliers);

@@ -37,22 +37,6 @@ void warn_of_frame(const Deviations& d, const CadModel& model) {
                     median));
 }
 
-// Moves what was measured onto the model; nothing where it is to be taken as it lies.
-std::optional<AlignResult> align_measured(const CompareOptions& o, const CadModel& model,
-                                          const Registration& registration, Soup& soup, double factor,
-                                          Context& context) {
-  const AlignOptions options = align_options(o.align, factor);
-  if (options.mode == AlignMode::none && !options.start) return std::nullopt;
-  AlignResult result = align(model, registration, soup.points, soup.vertex_normals, options, context);
-  // A pose that was given is the user's to judge; the deviations say how well it fits.
-  if (options.mode != AlignMode::none) require_fit(result, factor);
-  if (!result.pose.is_identity()) {
-    for (Vec3& p : soup.points) p = result.pose(p);
-    for (Vec3& n : soup.vertex_normals) n = result.pose.turn(n);
-  }
-  return result;
-}
-
 void add_alignment(DeviationReport& report, const std::optional<AlignResult>& alignment, const AlignInput& input) {
   if (!alignment) {
     report.facts.push_back({"Alignment", "none: compared as they lie"});
@@ -81,7 +65,8 @@ int compare_with_model(const CompareOptions& o, Program& program) {
   double factor = 1;
   soup = read_measured(o.inputs[0], o, program, &factor);
   const Registration registration(model, context);
-  const std::optional<AlignResult> alignment = align_measured(o, model, registration, soup, factor, context);
+  const std::optional<AlignResult> alignment =
+      align_points(o.align, model, registration, soup.points, soup.vertex_normals, factor, context);
   const std::vector<Foot> feet = registration.register_points(soup.points, context);
 
   DeviationReport report;
@@ -97,6 +82,9 @@ int compare_with_model(const CompareOptions& o, Program& program) {
   report.scale = scale_of(counted_values(d), o.tolerance);
   report.options_json = to_json(o);
   add_alignment(report, alignment, o.align);
+  if (o.align.probe_radius > 0)
+    report.facts.push_back(
+        {"Probe", fmt::format("ball of {:.6g} mm: deviations are of the places it touched", o.align.probe_radius)});
   report.facts.push_back({"Made", date_now()});
   if (report.triangles > 0)
     report.notes.push_back("The vertices of the mesh were measured, not the insides of its triangles.");

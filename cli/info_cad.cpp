@@ -4,15 +4,15 @@
 #include <map>
 
 #include "cli/info.hpp"
+#include "cli/model_input.hpp"
 #include "cli/program.hpp"
-#include "io/cad_file.hpp"
 #include "libtri/cad_model.hpp"
 #include "libtri/cad_topology.hpp"
 
 namespace tri::cli {
 
 Info cad_info(const std::string& path, double sew_tolerance, Context& context) {
-  const CadFile file = read_cad(path, context);
+  const CadFile file = read_cad_or_end(path, context);
   const CadModel model = make_cad_model(file.shape, sew_tolerance, context);
   const CadTopology topology = cad_topology(model);
   double area = 0, largest_tolerance = 0;

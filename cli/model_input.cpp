@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "io/cad_file.hpp"
+#include "cli/interrupt.hpp"
 
 namespace tri::cli {
 
@@ -15,8 +15,13 @@ void add_model_options(CLI::App& command, ModelInput& input, bool required) {
       ->capture_default_str();
 }
 
+CadFile read_cad_or_end(const std::string& path, Context& context) {
+  const EndOnInterrupt watch(context);
+  return read_cad(path, context);
+}
+
 CadModel read_model(const ModelInput& input, Program& program) {
-  const CadFile file = read_cad(input.path, program.context);
+  const CadFile file = read_cad_or_end(input.path, program.context);
   CadModel model = make_cad_model(file.shape, input.sew, program.context);
   const auto note = [&](const std::string& text) {
     if (!program.quiet) print_note(input.path + ": " + text);

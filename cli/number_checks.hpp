@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <string>
 
 namespace tri::cli {
@@ -10,7 +11,7 @@ inline CLI::Validator above_zero() {
   return CLI::Validator(
       [](std::string& text) {
         double value = 0;
-        if (CLI::detail::lexical_cast(text, value) && value > 0) return std::string();
+        if (CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)) return std::string();
         return text + " is not a number above 0";
       },
       "ABOVE 0");
@@ -21,7 +22,7 @@ inline CLI::Validator not_negative() {
   return CLI::Validator(
       [](std::string& text) {
         double value = 0;
-        if (CLI::detail::lexical_cast(text, value) && value >= 0) return std::string();
+        if (CLI::detail::lexical_cast(text, value) && value >= 0 && std::isfinite(value)) return std::string();
         return text + " is not a number from 0 upward";
       },
       "FROM 0");

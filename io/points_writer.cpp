@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <string>
-#include <utility>
-#include <vector>
+#include <algorithm>
 
 #include "io/mesh_formats.hpp"
 #include "io/text_number.hpp"
@@ -13,20 +11,6 @@
 namespace tri::io_detail {
 namespace {
 
-using NamedColumns = std::vector<std::pair<std::string, const std::vector<double>*>>;
-
-/// Further columns; names without the characters that separate names.
-NamedColumns numbers_of(const PointSet& set) {
-  NamedColumns columns;
-  for (const auto& [name, values] : set.scalars) {
-    std::string plain = name.empty() ? "_" : name;
-    for (char& c : plain)
-      if (c == ' ' || c == ',' || c == ';' || c == '\t' || c == '\n' || c == '\r') c = '_';
-    columns.emplace_back(std::move(plain), &values);
-  }
-  return columns;
-}
-
 void report(const PointSet& set, std::size_t i, Context& context) {
   if (i % checkpoint_interval != 0) return;
   context.checkpoint();
@@ -34,6 +18,22 @@ void report(const PointSet& set, std::size_t i, Context& context) {
 }
 
 }  // namespace
+
+NamedColumns numbers_of(const PointSet& set, std::span<const std::string_view> taken) {
+  NamedColumns columns;
+  for (const auto& [name, values] : set.scalars) {
+    std::string plain = name.empty() ? "_" : name;
+    for (char& c : plain)
+      if (c == ' ' || c == ',' || c == ';' || c == '\t' || c == '\n' || c == '\r') c = '_';
+    const auto used = [&] {
+      return std::find(taken.begin(), taken.end(), plain) != taken.end() ||
+             std::any_of(columns.begin(), columns.end(), [&](const auto& c) { return c.first == plain; });
+    };
+    while (used()) plain.insert(0, "input_");
+    columns.emplace_back(std::move(plain), &values);
+  }
+  return columns;
+}
 
 void write_points_text(AtomicFile& file, const PointSet& set, char separator, bool header, Context& context) {
   const NamedColumns columns = numbers_of(set);

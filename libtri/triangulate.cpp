@@ -373,12 +373,23 @@ void name_points_as_given(TriangulateResult& result, std::span<const std::uint32
 TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> points, const TriangulateOptions& options,
                               Context& context) {
   validate(points, options);
+  TriangulateResult made;
+  Stopwatch watch(made);
+  const Registration registration(model, context);
+  watch.lap("index model");
+  TriangulateResult result = triangulate(model, registration, points, options, context);
+  result.seconds.insert(result.seconds.begin(), made.seconds.begin(), made.seconds.end());
+  return result;
+}
+
+TriangulateResult triangulate(const CadModel& model, const Registration& registration, std::span<const Vec3> points,
+                              const TriangulateOptions& options, Context& context) {
+  validate(points, options);
   TriangulateResult result;
   const int cores = tbb::info::default_concurrency();
   tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
   arena.execute([&] {
     Stopwatch watch(result);
-    const Registration registration(model);
     // Unordered points are put in the order of a space-filling curve once: every later step then finds neighbours in
     // space near each other in memory. Equal points keep their order, so the earliest of them still counts.
     const std::vector<std::uint32_t> order = registration.order_of(points);

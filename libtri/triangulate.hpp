@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libtri/cad_model.hpp"
+#include "libtri/registration.hpp"
 #include "libtri/tessellation.hpp"
 #include "meshops/context.hpp"
 #include "meshops/mesh.hpp"
@@ -95,5 +96,9 @@ struct TriangulateResult {
 /// @throws CadError if the model cannot be tessellated; Cancelled within a fraction of a second after `context.cancel()`
 TriangulateResult triangulate(const CadModel& model, std::span<const Vec3> points, const TriangulateOptions& options,
                               Context& context);
+
+/// The same, with a registration that was made before. @param registration  of `model`
+TriangulateResult triangulate(const CadModel& model, const Registration& registration, std::span<const Vec3> points,
+                              const TriangulateOptions& options, Context& context);
 
 }  // namespace tri

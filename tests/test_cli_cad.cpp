@@ -1,6 +1,8 @@
 // Runs the commands of the program that need a CAD model.
 #include <doctest/doctest.h>
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -132,6 +134,19 @@ void make_measurement(const TemporaryFolder& folder) {
 }
 
 }  // namespace
+
+TEST_CASE("tri: an interrupt ends a command that waits for its CAD file, which no reader hands back") {
+  const TemporaryFolder folder;
+  REQUIRE(mkfifo((folder / "part.step").c_str(), 0600) == 0);
+  const auto before = folder.entries();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"info", "part.step"}, {"sample", "--cad", "part.step", "-n", "9", "-o", "a.xyz"}}) {
+    const Outcome outcome = run_tri(words, folder.path(), "", 300);
+    CHECK(outcome.exit_code == 130);
+    CHECK(contains(outcome.err, "interrupted"));
+    CHECK(folder.entries() == before);
+  }
+}
 
 TEST_CASE("tri triangulate: every point becomes a vertex of one mesh with the model's topology, and the report says so") {
   const TemporaryFolder folder;

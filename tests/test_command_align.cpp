@@ -150,3 +150,78 @@ TEST_CASE("tri triangulate: aligns points in another pose, and leaves those in t
   unaligned.insert(unaligned.end(), {"--align", "none"});
   CHECK(run_tri(unaligned, folder.path()).exit_code == 1);
 }
+
+TEST_CASE("tri triangulate, compare, register --probe-radius: centres of a ball become the places that it touched") {
+  const TemporaryFolder folder;
+  REQUIRE(run_tri({"model", "sphere-cap", "-o", "part.step"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "800", "-o", "scan.xyz"}, folder.path()).exit_code == 0);
+  const auto truth = numbers(folder / "scan.truth.csv", true);
+  REQUIRE(truth.size() == 8800);
+  std::string centres;
+  char text[128];
+  for (std::size_t i = 0; i < 800; ++i) {
+    const double *p = &truth[11 * i + 4], *n = p + 3;
+    std::snprintf(text, sizeof text, "%.12g %.12g %.12g\n", p[0] + 2 * n[0], p[1] + 2 * n[1], p[2] + 2 * n[2]);
+    centres += text;
+  }
+  folder.make("centres.xyz", centres);
+  const auto mean = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"compare", "--cad", "part.step", "centres.xyz", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return json::parse(run_tri(words, folder.path()).out)["overall"]["mean"].get<double>();
+  };
+  CHECK(mean({}) == doctest::Approx(2).epsilon(1e-6));
+  CHECK(std::abs(mean({"--probe-radius", "2"})) < 1e-6);
+
+  REQUIRE(run_tri({"register", "--cad", "part.step", "centres.xyz", "--probe-radius", "2", "-o", "r.csv"}, folder.path())
+              .exit_code == 0);
+  const auto rows = numbers(folder / "r.csv", true);
+  REQUIRE(rows.size() == 9600);
+  for (std::size_t i = 0; i < 800; ++i)
+    for (std::size_t k = 0; k < 3; ++k) CHECK(std::abs(rows[12 * i + 1 + k] - truth[11 * i + 4 + k]) < 1e-6);
+
+  REQUIRE(run_tri({"triangulate", "--cad", "part.step", "centres.xyz", "--probe-radius", "2", "-o", "mesh.ply", "--report",
+                   "mesh.json"},
+                  folder.path())
+              .exit_code == 0);
+  REQUIRE(run_tri({"compare", "--cad", "part.step", "mesh.ply", "--csv", "mesh.csv", "--report", "c.json"}, folder.path()).exit_code == 0);
+  const json compared = json::parse(file_bytes(folder / "c.json"));
+  CHECK(compared["overall"]["points"] == 800);
+  CHECK(std::abs(compared["overall"]["max"].get<double>()) < 1e-6);
+  CHECK(json::parse(file_bytes(folder / "mesh.json"))["options"]["probe_radius"] == 2);
+  for (const char* bad : {"-1", "inf", "nan", "x"})
+    CHECK(run_tri({"compare", "--cad", "part.step", "centres.xyz", "--probe-radius", bad}, folder.path()).exit_code == 2);
+}
+
+TEST_CASE("tri align --align icp, none: points that are too large are named so within seconds, with the unit that cures it") {
+  const TemporaryFolder folder;
+  REQUIRE(run_tri({"model", "blade", "-o", "part.step"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "1500", "-o", "scan.xyz"}, folder.path()).exit_code == 0);
+  const auto points = numbers(folder / "scan.xyz");
+  const auto scaled = [&](double factor) {
+    std::string lines;
+    char text[64];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      std::snprintf(text, sizeof text, "%.12g%c", points[i] * factor, i % 3 == 2 ? '\n' : ' ');
+      lines += text;
+    }
+    folder.make("scaled.xyz", lines);
+  };
+  const auto said = [&](const char* mode) {
+    const Outcome outcome =
+        run_tri({"align", "--cad", "part.step", "scaled.xyz", "-o", "a.xyz", "--align", mode}, folder.path());
+    CHECK(outcome.exit_code == 1);
+    return outcome.err;
+  };
+  scaled(1000);
+  for (const char* mode : {"auto", "icp", "none"}) CHECK(contains(said(mode), "--units 0.001"));
+  scaled(0.001);
+  for (const char* mode : {"auto", "icp", "none"}) CHECK(contains(said(mode), "--units m"));
+  scaled(7);
+  for (const char* mode : {"auto", "icp", "none"}) {
+    const std::string text = said(mode);
+    const std::size_t at = text.find("about ");
+    REQUIRE(at != std::string::npos);
+    CHECK(std::stod(text.substr(at + 6)) == doctest::Approx(7).epsilon(0.03));
+  }
+}

@@ -138,3 +138,18 @@ TEST_CASE("tri register: an interrupt ends it with 130 and without output") {
   CHECK(outcome.exit_code == 130);
   CHECK(folder.entries() == before);
 }
+
+TEST_CASE("tri register: normals, intensity and further columns of the points follow, turned as the points are") {
+  const TemporaryFolder folder;
+  REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
+  folder.make("scan.csv", "x,y,z,nx,ny,nz,intensity,quality\n0,0,0,1,0,0,0.5,7\n1,2,3,0,1,0,0.25,8\n2,1,5,0,0,1,0.125,9\n");
+  // A quarter turn about z.
+  folder.make("pose.json", "{\"matrix\": [[0,-1,0,0],[1,0,0,0],[0,0,1,0],[0,0,0,1]]}");
+  REQUIRE(run_tri({"register", "--cad", "cap.step", "scan.csv", "--pose", "pose.json", "-o", "r.csv"}, folder.path())
+              .exit_code == 0);
+  const auto found = rows(folder / "r.csv", header + ",nx,ny,nz,intensity,quality");
+  REQUIRE(found.size() == 3);
+  const double expected[3][5] = {{0, 1, 0, 0.5, 7}, {-1, 0, 0, 0.25, 8}, {0, 0, 1, 0.125, 9}};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 5; ++k) CHECK(found[i][12 + k] == expected[i][k]);
+}

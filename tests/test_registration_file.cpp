@@ -11,6 +11,7 @@
 #include "io/mesh_file.hpp"
 #include "io/registration_file.hpp"
 #include "meshops/error.hpp"
+#include "meshops/point_soup.hpp"
 #include "temporary_folder.hpp"
 
 using namespace tri;
@@ -37,6 +38,12 @@ struct Case {
                .face = 1,
                .edge = 0};
     feet[1] = {.point = {1, 2, 3}, .uv = {4, 5}, .deviation = 6, .normal = {}, .face = 0, .edge = -1};
+  }
+
+  PointSet set() const {
+    PointSet set;
+    set.points = points;
+    return set;
   }
 };
 
@@ -77,7 +84,7 @@ TEST_CASE("write_registration: CSV has its header and one line a point whose num
   const TemporaryFolder folder;
   const Case c;
   Context context;
-  write_registration(folder / "r.csv", c.points, c.feet, c.model, context);
+  write_registration(folder / "r.csv", c.set(), c.feet, c.model, context);
   std::istringstream lines(file_bytes(folder / "r.csv"));
   std::string line;
   std::getline(lines, line);
@@ -97,7 +104,7 @@ TEST_CASE("write_registration: PLY holds the same, to the bit, as properties of 
   const TemporaryFolder folder;
   const Case c;
   Context context;
-  write_registration(folder / "r.ply", c.points, c.feet, c.model, context);
+  write_registration(folder / "r.ply", c.set(), c.feet, c.model, context);
   const Soup soup = read_mesh(folder / "r.ply", context);
   REQUIRE(soup.points == c.points);
   CHECK(soup.triangles.empty());
@@ -112,14 +119,53 @@ TEST_CASE("write_registration: PLY holds the same, to the bit, as properties of 
   }
 }
 
+TEST_CASE("write_registration: what else is known of the points follows, in both formats, under names of its own") {
+  const TemporaryFolder folder;
+  const Case c;
+  Context context;
+  PointSet set = c.set();
+  set.normals = {{0, 0, 1}, {0.6, 0.8, 0}, {0, 0, 0}};
+  set.intensity = {0.1 + 0.2, -1, 1e300};
+  set.colors = {{0, 127, 255}, {1, 2, 3}, {9, 8, 7}};
+  set.scalars["deviation"] = {7, 8, 9};
+  set.scalars["scan line"] = {1.5, 2.5, 1.0 / 3};
+  write_registration(folder / "r.csv", set, c.feet, c.model, context);
+  write_registration(folder / "r.ply", set, c.feet, c.model, context);
+  std::istringstream lines(file_bytes(folder / "r.csv"));
+  std::string line;
+  std::getline(lines, line);
+  CHECK(line ==
+        "index,x,y,z,face,u,v,fx,fy,fz,deviation,on_edge,nx,ny,nz,intensity,red,green,blue,input_deviation,scan_line");
+  const PointSet read = to_points(read_mesh(folder / "r.ply", context));
+  CHECK(read.points == set.points);
+  CHECK(read.normals == set.normals);
+  CHECK(read.intensity == set.intensity);
+  CHECK(read.colors == set.colors);
+  CHECK(read.scalars.at("input_deviation") == set.scalars.at("deviation"));
+  CHECK(read.scalars.at("scan_line") == set.scalars.at("scan line"));
+  CHECK(read.scalars.at("deviation")[0] == c.feet[0].deviation);
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::getline(lines, line);
+    const std::vector<std::string> row = cells(line);
+    REQUIRE(row.size() == 21);
+    for (std::size_t k = 0; k < 3; ++k) {
+      CHECK(number(row[12 + k]) == set.normals[i][static_cast<int>(k)]);
+      CHECK(number(row[16 + k]) == set.colors[i][k]);
+    }
+    CHECK(number(row[15]) == set.intensity[i]);
+    CHECK(number(row[19]) == set.scalars.at("deviation")[i]);
+    CHECK(number(row[20]) == set.scalars.at("scan line")[i]);
+  }
+}
+
 TEST_CASE("write_registration: refuses other endings and a wrong number of feet, and a cancel leaves no file") {
   const TemporaryFolder folder;
   Case c;
   Context context;
-  CHECK_THROWS_AS(write_registration(folder / "r.txt", c.points, c.feet, c.model, context), InvalidInput);
+  CHECK_THROWS_AS(write_registration(folder / "r.txt", c.set(), c.feet, c.model, context), InvalidInput);
   context.cancel();
-  CHECK_THROWS_AS(write_registration(folder / "r.csv", c.points, c.feet, c.model, context), Cancelled);
+  CHECK_THROWS_AS(write_registration(folder / "r.csv", c.set(), c.feet, c.model, context), Cancelled);
   c.feet.pop_back();
-  CHECK_THROWS_AS(write_registration(folder / "r.csv", c.points, c.feet, c.model, context), InvalidInput);
+  CHECK_THROWS_AS(write_registration(folder / "r.csv", c.set(), c.feet, c.model, context), InvalidInput);
   CHECK(folder.entries().empty());
 }

@@ -80,8 +80,12 @@ class Alignment {
     if (options_.mode == AlignMode::none) {
       result_.pose = options_.start.value_or(Pose());
       measure(sample_);
+      if (!fits(result_.quality, size())) seek_unit_at(result_.pose);
     } else if (!automatic) {
-      refine_from(options_.start.value_or(Pose()));
+      const Pose start = options_.start.value_or(Pose());
+      // What is larger than the model fits nowhere.
+      if (!too_large_for_model() || !seek_unit_at(start)) refine_from(start);
+      if (result_.reasons.empty() && !fits(result_.quality, size())) seek_unit_at(start);
     } else if (!in_place()) {
       from_nothing();
     }
@@ -210,13 +214,19 @@ class Alignment {
     return true;
   }
 
-  void refine_from(const Pose& start) {
-    const auto before = target_.residuals(sample_.points, sample_.normals, start, quiet_);
+  // From far off to the last steps.
+  RefineOptions start_options(const PointSample& sample, const Pose& start) {
+    const auto before = target_.residuals(sample.points, sample.normals, start, quiet_);
     const double median = robust_sigma(before, diagonal()) / 1.4826;
     RefineOptions o = last_options();
     o.first_kernel = std::clamp(3 * median, 2e-3 * diagonal(), 0.2 * diagonal());
     o.last_kernel = 1e-3 * diagonal();
     o.kernel_steps = 12;
+    return o;
+  }
+
+  void refine_from(const Pose& start) {
+    const RefineOptions o = start_options(sample_, start);
     const Refined refined = refine_pose(target_, sample_.points, sample_.normals, start, o, quiet_);
     result_.iterations = refined.steps;
     lap("refine from the start");
@@ -263,36 +273,78 @@ class Alignment {
     return candidates;
   }
 
-  void from_nothing() {
-    const double ratio = subset().radius / model_radius();
-    context_.progress("align", 0.1);
-    std::vector<std::pair<double, double>> units;  // how far from the model's size, factor
+  double size_ratio() { return subset().radius / model_radius(); }
+
+  bool too_large_for_model() {
+    return size_ratio() > too_large && subset().half_radius > too_large * extent_of(samples().points).half_radius;
+  }
+
+  // Factors between units that would give the points the model's size, the likeliest first.
+  std::vector<double> likely_units() {
+    std::vector<double> units;
     for (const double f : unit_factors)
-      if (ratio * f > unit_low && ratio * f < unit_high) units.emplace_back(std::abs(std::log(ratio * f)), f);
-    std::sort(units.begin(), units.end());
+      if (size_ratio() * f > unit_low && size_ratio() * f < unit_high) units.push_back(f);
+    std::sort(units.begin(), units.end(), [&](double a, double b) {
+      return std::abs(std::log(size_ratio() * a)) < std::abs(std::log(size_ratio() * b));
+    });
+    return units;
+  }
+
+  void set_unit(double factor, const Pose& pose, const FitQuality& quality) {
+    result_.unit_factor = factor;
+    result_.pose = pose;
+    result_.quality = quality;
+    result_.reasons.push_back(fmt::format(
+        "the points are {} the model: their radius is {:.4g}, the model's {:.4g} mm; multiplied by {:.6g} "
+        "they fit, with a median distance of {:.3g} mm",
+        size_ratio() > 1 ? "too large for" : "too small for", subset().radius, model_radius(), factor,
+        quality.median));
+  }
+
+  void say_too_large() {
+    const double theirs = subset().half_radius, models = extent_of(samples().points).half_radius;
+    result_.reasons.push_back(
+        fmt::format("the points are too large for the model: half of them are farther than {:.4g} mm from their "
+                    "middle, of the model {:.4g} mm: about {:.3g} times as large",
+                    theirs, models, theirs / models));
+  }
+
+  // Where the points are taken about where they are: the unit in which they lie there, or that they are too large in
+  // any. True if there is a reason why they do not fit.
+  bool seek_unit_at(const Pose& start) {
+    if (size_ratio() >= too_small && size_ratio() <= too_large) return false;
+    for (const double factor : likely_units()) {
+      PointSample sample = sample_;
+      for (Vec3& p : sample.points) p *= factor;
+      Pose pose = start;
+      if (options_.mode != AlignMode::none)
+        pose = refine_pose(target_, sample.points, sample.normals, start, start_options(sample, start), quiet_).pose;
+      const auto residuals = target_.residuals(sample.points, sample.normals, pose, quiet_);
+      const FitQuality quality = fit_quality(residuals, neighbours_, fit_size(diagonal(), factor * subset().radius));
+      if (!fits(quality, fit_size(diagonal(), factor * subset().radius))) continue;
+      set_unit(factor, pose, quality);
+      return true;
+    }
+    if (!too_large_for_model()) return false;
+    say_too_large();
+    return true;
+  }
+
+  void from_nothing() {
+    const double ratio = size_ratio();
+    context_.progress("align", 0.1);
     const auto other_unit = [&] {
-      for (const auto& [distance, factor] : units) {
+      for (const double factor : likely_units()) {
         const auto found = search(factor);
         if (found.empty() || !fits(found.front().quality, fit_size(diagonal(), factor * subset().radius))) continue;
-        result_.unit_factor = factor;
-        result_.pose = found.front().pose;
-        result_.quality = found.front().quality;
-        result_.reasons.push_back(fmt::format(
-            "the points are {} the model: their radius is {:.4g}, the model's {:.4g} mm; multiplied by {:.6g} "
-            "they fit, with a median distance of {:.3g} mm",
-            ratio > 1 ? "too large for" : "too small for", subset().radius, model_radius(), factor,
-            found.front().quality.median));
+        set_unit(factor, found.front().pose, found.front().quality);
         return true;
       }
       return false;
     };
     if ((ratio > too_large || ratio < too_small) && other_unit()) return;
-    if (ratio > too_large && subset().half_radius > too_large * extent_of(samples().points).half_radius) {
-      result_.reasons.push_back(
-          fmt::format("the points are too large for the model: half of them are farther than {:.4g} mm from their "
-                      "middle, of the model "
-                      "{:.4g} mm",
-                      subset().half_radius, extent_of(samples().points).half_radius));
+    if (too_large_for_model()) {
+      say_too_large();
       return;
     }
     std::vector<Candidate> found = search(1);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "libtri/alignment/information.hpp"
+#include "libtri/alignment/probe.hpp"
 
 namespace tri {
 namespace {
@@ -91,7 +92,7 @@ std::vector<PointResidual> FitTarget::residuals(std::span<const Vec3> points, st
   for (const Vec3& p : points) posed.push_back(pose(p));
   const std::vector<Foot> feet = registration.register_points(posed, context);
   std::vector<PointResidual> residuals(points.size());
-  std::size_t outside = 0, found = 0, agree = 0, known = 0;
+  std::size_t agree = 0, known = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Foot& foot = feet[i];
     PointResidual& r = residuals[i];
@@ -103,8 +104,6 @@ std::vector<PointResidual> FitTarget::residuals(std::span<const Vec3> points, st
     r.value = foot.deviation;
     const Vec3 normal(foot.normal[0], foot.normal[1], foot.normal[2]);
     r.direction = std::abs(foot.deviation) > on_surface * diagonal ? (posed[i] - foot.point) / foot.deviation : normal;
-    ++found;
-    outside += foot.deviation > 0;
     if (normals.empty() || normals[i].sqrnorm() < 0.5) continue;
     const double cosine = pose.turn(normals[i]) | normal;
     ++known;
@@ -125,7 +124,7 @@ std::vector<PointResidual> FitTarget::residuals(std::span<const Vec3> points, st
     }
   }
   if (probe_radius > 0) {
-    const double offset = 2 * outside >= found ? probe_radius : -probe_radius;
+    const double offset = probe_offset(feet, probe_radius);
     for (PointResidual& r : residuals) r.value -= offset;
   }
   return residuals;
