@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "meshops/disjoint_sets.hpp"
 #include "meshops/for_each_block.hpp"
@@ -13,7 +14,8 @@ namespace {
 
 constexpr std::size_t block_size = 4096;
 constexpr double sliver_height = 1e-6;  ///< of the diagonal
-constexpr int slivers_crossed = 32;     ///< more in a row have no normal
+constexpr int noise_depth = 2;
+constexpr int slivers_crossed = 32;  ///< more in a row have no normal
 
 using Connectivity = OpenMesh::TriConnectivity;
 
@@ -76,6 +78,74 @@ OwnNormal own_normal(MeshView view, FaceHandle f, double least_height) {
   if (!std::isfinite(twice_area)) return OwnNormal();
   if (twice_area > least_height * length) return {normal / twice_area, HalfedgeHandle()};
   return {{0, 0, 0}, h[longest]};
+}
+
+/// Mean normals of what lies on one side of an edge.
+class SideNormals {
+ public:
+  SideNormals(MeshView view, const std::vector<Vec3>& normals, const Context& context)
+      : mesh_(view.mesh), normals_(normals), areas_(normals.size(), 0) {
+    for_each_block(context, "", areas_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto f = handle<FaceHandle>(i);
+        if (mesh_.status(f).deleted()) continue;
+        const HalfedgeHandle h = mesh_.halfedge_handle(f), next = mesh_.next_halfedge_handle(h);
+        const Vec3 &a = view.point(mesh_.from_vertex_handle(h)), &b = view.point(mesh_.to_vertex_handle(h)),
+                   &c = view.point(mesh_.to_vertex_handle(next));
+        const double area = ((b - a) % (c - a)).norm();
+        if (std::isfinite(area)) areas_[i] = area;
+      }
+    });
+  }
+
+  /// Of the triangles within `depth` steps of that of `h`, but not across `h`; not normalised.
+  Vec3 mean(HalfedgeHandle h, int depth) const { return sum(h, depth, areas_[index(mesh_.face_handle(h))]); }
+
+ private:
+  static std::size_t index(FaceHandle f) { return static_cast<std::size_t>(f.idx()); }
+
+  Vec3 sum(HalfedgeHandle h, int depth, double most) const {
+    const std::size_t f = index(mesh_.face_handle(h));
+    Vec3 result = normals_[f] * std::min(areas_[f], most);
+    if (depth == 0) return result;
+    for (const HalfedgeHandle side : {mesh_.next_halfedge_handle(h), mesh_.prev_halfedge_handle(h)}) {
+      const HalfedgeHandle beyond = mesh_.opposite_halfedge_handle(side);
+      if (!mesh_.is_boundary(beyond)) result += sum(beyond, depth - 1, most);
+    }
+    return result;
+  }
+
+  const Connectivity& mesh_;
+  const std::vector<Vec3>& normals_;
+  std::vector<double> areas_;
+};
+
+/// Of two zero vectors it is 0, so a triangle without a normal makes no crease.
+double angle_between(const Vec3& m, const Vec3& n) {
+  return std::atan2((m % n).norm(), m | n);
+}
+
+/// Creases that are none between the mean normals of their sides become smooth, as `rules.noise` says.
+void drop_noise(MeshView view, const std::vector<Vec3>& normals, const FeatureRules& rules, const Context& context,
+                std::vector<EdgeClass>& edges) {
+  const SideNormals sides(view, normals, context);
+  std::vector<std::size_t> noise((edges.size() + block_size - 1) / block_size, 0);
+  std::vector<char> weak(edges.size(), 0);
+  for_each_block(context, "", edges.size(), block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (edges[i] != EdgeClass::crease) continue;
+      const auto e = handle<EdgeHandle>(i);
+      const Vec3 left = sides.mean(view.mesh.halfedge_handle(e, 0), noise_depth);
+      const Vec3 right = sides.mean(view.mesh.halfedge_handle(e, 1), noise_depth);
+      weak[i] = !(angle_between(left, right) > rules.angle);
+      noise[block] += weak[i];
+    }
+  });
+  const std::size_t found = std::accumulate(noise.begin(), noise.end(), std::size_t{0});
+  const auto creases = static_cast<std::size_t>(std::ranges::count(edges, EdgeClass::crease));
+  if (rules.noise == Noise::unknown && 2 * found <= creases) return;
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if (weak[i]) edges[i] = EdgeClass::smooth;
 }
 
 VertexClass class_of(MeshView view, const std::vector<EdgeClass>& edges, VertexHandle v, double corner_cosine) {
@@ -158,12 +228,15 @@ Features find_features(MeshView view, const FeatureRules& rules, const Context& 
         features.edges[i] = EdgeClass::boundary;
         continue;
       }
-      const Vec3& m = normals[static_cast<std::size_t>(mesh.face_handle(mesh.halfedge_handle(e, 0)).idx())];
-      const Vec3& n = normals[static_cast<std::size_t>(mesh.face_handle(mesh.halfedge_handle(e, 1)).idx())];
-      // Of two zero vectors atan2 gives 0, so a triangle without a normal makes no crease.
-      if (any_crease && std::atan2((m % n).norm(), m | n) > rules.angle) features.edges[i] = EdgeClass::crease;
+      const HalfedgeHandle left = mesh.halfedge_handle(e, 0), right = mesh.halfedge_handle(e, 1);
+      const auto normal = [&](HalfedgeHandle h) {
+        return normals[static_cast<std::size_t>(mesh.face_handle(h).idx())];
+      };
+      if (!any_crease || !(angle_between(normal(left), normal(right)) > rules.angle)) continue;
+      features.edges[i] = EdgeClass::crease;
     }
   });
+  if (any_crease && rules.noise != Noise::none) drop_noise(view, normals, rules, context, features.edges);
   if (rules.min_crease_edges > 1)
     drop_short_creases(mesh, static_cast<std::size_t>(rules.min_crease_edges), context, features.edges);
   const double corner_cosine = rules.corner_angle < std::numbers::pi ? std::cos(rules.corner_angle) : -2;

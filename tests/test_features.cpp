@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "meshops/error.hpp"
 #include "meshops/features.hpp"
@@ -172,4 +173,32 @@ TEST_CASE("find_features: the same for any number of threads; cancel is heeded")
   Context cancelled;
   cancelled.cancel();
   CHECK_THROWS_AS(find_features(view_of(mesh), rules, cancelled), Cancelled);
+}
+
+TEST_CASE("find_features: noise makes no creases where it is allowed for, and true ones stay") {
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0, 0.2);
+  Mesh plane = grid(40, 40), block = cube(12);
+  const Features exact = find(block);
+  for (const VertexHandle v : plane.vertices()) plane.point(v)[2] += noise(random);
+  for (const VertexHandle v : block.vertices()) {
+    const Vec3 p = block.point(v);
+    for (int k = 0; k < 3; ++k)
+      if (p[k] == 0 || p[k] == 12) block.point(v)[k] += noise(random);
+  }
+  const double angle = 44 * pi / 180;
+  CHECK(find(plane, {.angle = angle}).creases > 100);
+  for (const Noise rule : {Noise::present, Noise::unknown}) {
+    CHECK(find(plane, {.angle = angle, .noise = rule}).creases < 20);
+    const Features features = find(block, {.angle = angle, .noise = rule});
+    std::size_t kept = 0;
+    for (const EdgeHandle e : block.edges()) kept += features.is_feature(e) && exact.is_feature(e);
+    CHECK(kept > 0.9 * static_cast<double>(exact.creases));
+    CHECK(features.creases - kept < 0.02 * static_cast<double>(block.n_edges()));
+  }
+  // A box with a step of one row of triangles: exact, so nothing is taken for noise where that is not known.
+  Mesh step = roof(10, [](int) { return 0.0; });
+  for (const VertexHandle v : step.vertices())
+    if (step.point(v)[0] > -0.5) step.point(v)[2] = 1;
+  CHECK(find(step, {.noise = Noise::unknown}).creases == find(step).creases);
 }

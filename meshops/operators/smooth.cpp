@@ -65,7 +65,9 @@ class Smoother {
   /// Which vertices move, and by which neighbours.
   void sort_vertices() {
     const Features features = find_features(
-        view_, {.angle = options_.feature_angle, .min_crease_edges = options_.min_feature_edges}, context_);
+        view_,
+        {.angle = options_.feature_angle, .noise = Noise::unknown, .min_crease_edges = options_.min_feature_edges},
+        context_);
     parts_.assign(before_.size(), Part::fixed);
     std::size_t on_crease = 0, on_boundary = 0, corners = 0, not_finite = 0, alive = 0, creased = 0;
     for (std::size_t i = 0; i < before_.size(); ++i) {
@@ -220,7 +222,8 @@ class Smoother {
 
   void store() {
     context_.checkpoint();
-    for (const std::uint32_t i : report_.touched_vertices) set_point(view_, VertexHandle(static_cast<int>(i)), points_[i]);
+    for (const std::uint32_t i : report_.touched_vertices)
+      set_point(view_, VertexHandle(static_cast<int>(i)), points_[i]);
   }
 
   MeshView view_;
