@@ -49,15 +49,15 @@ struct SmoothOptions {
 /// Laplace and Taubin weigh all neighbours alike. Cotangent is the implicit flow of `CurvatureFlow`, with new weights
 /// in every iteration: of the ways to use these weights it is the one that needles do not disturb (an explicit flow
 /// with them left 0.44 of the noise and turned triangles over where a seventh of the edges had been split into needles;
-/// the implicit one 0.16, turning over none). An iteration costs some 10 times that of laplace, some 60 times with many
-/// needles.
+/// the implicit one 0.16, turning over none). An iteration costs some 10 times that of laplace, several times
+/// more with many needles.
 ///
-/// Creases and corners are those of `find_features` with `feature_angle` and `min_feature_edges`, looked for once,
-/// before anything moves. Below 45 degrees the angle keeps chamfers; noise above a tenth of the edge length begins to
-/// look like creases, and wants a larger angle (180 degrees: none) or more edges; the report has a note where creases
-/// hold more than a fifth of the vertices. Corners, ends of creases that are fixed, and points that are not finite
-/// stay; the latter pull no neighbour. Where `max_distance` is finite, a vertex that would end an iteration farther
-/// from its start than that stops on the way.
+/// Creases and corners are those of `find_features` with `feature_angle`, `min_feature_edges` and `Noise::unknown`,
+/// looked for once, before anything moves. Below 45 degrees the angle keeps chamfers. Where noise is above some three
+/// tenths of the edge length it begins to look like creases, and wants a larger angle (180 degrees: none) or more
+/// edges; the report has a note where creases hold more than a fifth of the vertices. Corners, ends of creases that are
+/// fixed, and points that are not finite stay; the latter pull no neighbour. Where `max_distance` is finite, a vertex
+/// that would end an iteration farther from its start than that stops on the way.
 ///
 /// A coordinate that all points share is kept bit for bit. No new point is NaN, whatever the triangles. Linear time for
 /// each iteration; parallel, with the same result for any number of threads. `touched_vertices`: those that moved.
