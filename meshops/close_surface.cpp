@@ -4,19 +4,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "meshops/polygon_triangulation.hpp"
+#include "meshops/ring_filling.hpp"
 #include "meshops/side_pairs.hpp"
+#include "meshops/triangle_normal.hpp"
 
 namespace tri {
 namespace {
 
 constexpr int dynamic_edges = 128;
-
-Vec3 unit_normal(std::span<const Vec3> points, const Triangle& t) {
-  const Vec3 n = (points[t[1]] - points[t[0]]) % (points[t[2]] - points[t[0]]);
-  const double length = n.norm();
-  return length > 0 ? n / length : Vec3(0, 0, 0);
-}
 
 /// A loop of sides without a twin, against their direction.
 struct Loop {
@@ -42,30 +37,11 @@ std::vector<Loop> find_loops(std::span<const Vec3> points, std::span<const Trian
       seen[static_cast<std::size_t>(s)] = 1;
       loop.vertices.push_back(triangles[s / 3][(s % 3 + 1) % 3]);
       const Triangle& t = triangles[s / 3];
-      loop.edge_normals.push_back(unit_normal(points, {place(t[0]), place(t[1]), place(t[2])}));
+      loop.edge_normals.push_back(triangle_normal(points[place(t[0])], points[place(t[1])], points[place(t[2])]));
     }
     loops.push_back(std::move(loop));
   }
   return loops;
-}
-
-void triangulate(std::span<const Vec3> ring, std::span<const Vec3> edge_normals, std::vector<RingTriangle>& out) {
-  const int n = static_cast<int>(ring.size());
-  if (n <= dynamic_edges) {
-    triangulate_ring_dihedral_area(ring, edge_normals, {}, out);
-    return;
-  }
-  std::vector<std::int32_t> left;
-  cut_nearest_diagonals(ring, {}, {}, dynamic_edges, out, left);
-  std::vector<Vec3> rest, normals;
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    rest.push_back(ring[left[i]]);
-    const int next = left[(i + 1) % left.size()];
-    normals.push_back(next == (left[i] + 1) % n ? edge_normals[left[i]] : Vec3(0, 0, 0));
-  }
-  std::vector<RingTriangle> inner;
-  triangulate_ring_dihedral_area(rest, normals, {}, inner);
-  for (const RingTriangle& t : inner) out.push_back({left[t[0]], left[t[1]], left[t[2]]});
 }
 
 /// How often a closed surface winds round a point, by the solid angles of its triangles [van Oosterom & Strackee 1983].
@@ -147,20 +123,19 @@ ClosedSurface close_surface(std::span<const Vec3> points, std::span<const Triang
     ++components;
   }
 
-  const std::vector<Loop> loops =
+  std::vector<Loop> loops =
       find_loops(points, work, pairs.twin, points.size() + repairs.copied_points.size(), place);
   for (Triangle& t : work)
     for (std::uint32_t& v : t) v = place(v);
   surface.triangles = std::move(work);
-  for (const Loop& loop : loops) {
+  for (Loop& loop : loops) {
     context.checkpoint();
-    std::vector<Vec3> ring;
-    for (const std::uint32_t v : loop.vertices) ring.push_back(points[place(v)]);
-    for (std::size_t i = 0; i < ring.size(); ++i)
-      surface.boundary_length += (ring[i] - ring[(i + 1) % ring.size()]).norm();
-    std::vector<RingTriangle> filling;
-    if (ring.size() >= 3) triangulate(ring, loop.edge_normals, filling);
-    for (const RingTriangle& t : filling) {
+    Ring ring{{}, std::move(loop.edge_normals), {}, {}};
+    for (const std::uint32_t v : loop.vertices) ring.points.push_back(points[place(v)]);
+    for (std::size_t i = 0; i < ring.points.size(); ++i)
+      surface.boundary_length += (ring.points[i] - ring.points[(i + 1) % ring.points.size()]).norm();
+    const RingFilling filling = fill_ring(ring, HoleStrategy::minimum_area_dihedral, dynamic_edges, context);
+    for (const RingTriangle& t : filling.triangles) {
       const Triangle named{place(loop.vertices[t[0]]), place(loop.vertices[t[1]]), place(loop.vertices[t[2]])};
       if (named[0] == named[1] || named[1] == named[2] || named[2] == named[0]) continue;
       surface.triangles.push_back(named);

@@ -21,7 +21,7 @@ struct ClosedSurface {
 };
 
 /// Pairs the sides of the triangles as `make_manifold` does, closes every loop that is left with triangles between its own
-/// vertices (least largest dihedral angle, then area, up to 128 edges; longer ones are first cut down by nearest diagonals)
+/// vertices (`fill_ring` for the least largest dihedral angle, then area)
 /// and turns each closed component outward, unless it is a cavity: inside out and within another one.
 ///
 /// The new triangles may cross anything and may lie upon others. As a chain the result has no boundary.

@@ -1,22 +1,13 @@
 #pragma once
 
-#include <functional>
 #include <utility>
 #include <vector>
 
 #include "meshops/add_faces.hpp"
 #include "meshops/mesh_view.hpp"
-#include "meshops/polygon_triangulation.hpp"
+#include "meshops/ring_filling.hpp"
 
 namespace tri {
-
-/// How a hole is triangulated.
-enum class HoleStrategy {
-  nearest_diagonal,  ///< cut the ear with the shortest diagonal, again and again [Ristic et al. 2000]; O(n log n) for n
-                     ///< edges
-  minimum_area_dihedral,  ///< least (largest dihedral angle, area) [Barequet & Sharir 1995, Liepa 2003]; O(n^3) up to a
-                          ///< limit
-};
 
 /// One boundary loop and the ways to close it. Reads the mesh; valid until the mesh changes at the rim.
 class Hole {
@@ -39,19 +30,16 @@ class Hole {
   bool rim_of_sheet(std::size_t component_faces) const;
 
   /// The size() - 2 triangles that close the hole without using an edge of the mesh as a chord; empty if there are
-  /// none.
-  /// @param max_dynamic_edges  above it `minimum_area_dihedral` first cuts the loop down to this many edges by nearest
-  /// diagonals.
-  /// @param cut_down  set to whether that was done.
-  std::vector<VertexTriple> triangulate(HoleStrategy strategy, int max_dynamic_edges, bool& cut_down);
+  /// none. As `fill_ring`.
+  /// @param in_pieces  set to `RingFilling::in_pieces`
+  std::vector<VertexTriple> triangulate(HoleStrategy strategy, int max_dynamic_edges, const Context& context,
+                                        bool& in_pieces);
 
  private:
   void find_forbidden();
-  std::function<bool(int, int)> chord_test() const;
   Vec3 face_normal(FaceHandle f) const;
   std::vector<Vec3> edge_normals() const;
   std::vector<Vec3> vertex_normals() const;
-  bool cut_then_optimise(int rest, std::vector<RingTriangle>& triangles) const;
 
   MeshView view_;
   std::vector<HalfedgeHandle> rim_;

@@ -164,23 +164,23 @@ TEST_CASE("triangulate_polygon: the stack and the heap path agree beyond 64 vert
   for (const int n : {63, 64, 65, 90}) {
     const auto ring = star(n - n % 2, 0.6);
     Triangles found;
-    REQUIRE(tri::triangulate_ring_dihedral_area(ring, {}, {}, found));
+    REQUIRE(tri::triangulate_ring(ring, {}, {}, tri::RingObjective::dihedral_area, found));
     check_triangulates(n - n % 2, found);
     CHECK(total_area(ring, found) == doctest::Approx(shoelace(ring)));
   }
 }
 
-TEST_CASE("triangulate_ring_dihedral_area: tiles a flat concave polygon without a fold") {
+TEST_CASE("triangulate_ring: tiles a flat concave polygon without a fold") {
   for (const auto& ring : {star(20, 0.3), comb(8)}) {
     const std::vector<Vec3> normals(ring.size(), Vec3(0, 0, 1));
     Triangles found;
-    REQUIRE(tri::triangulate_ring_dihedral_area(ring, normals, {}, found));
+    REQUIRE(tri::triangulate_ring(ring, normals, {}, tri::RingObjective::dihedral_area, found));
     check_triangulates(static_cast<int>(ring.size()), found);
     CHECK(total_area(ring, found) == doctest::Approx(shoelace(ring)));
   }
 }
 
-TEST_CASE("triangulate_ring_dihedral_area: follows the surface around a hole, not the least area") {
+TEST_CASE("triangulate_ring: follows the surface around a hole, not the least area") {
   // A quadrilateral across a ridge of 30 degrees: its other diagonal makes a valley of less area. The surface beyond
   // falls away at 85 degrees: 55 degrees from the slopes of the ridge, 85 from those of the valley.
   const std::vector<Vec3> ring{{0, 0, 0.577}, {1.5, -1, 0}, {3, 0, 0.577}, {1.5, 1, 0}};
@@ -189,7 +189,7 @@ TEST_CASE("triangulate_ring_dihedral_area: follows the surface around a hole, no
   const Vec3 south(0, -std::sin(steep), std::cos(steep)), north(0, std::sin(steep), std::cos(steep));
   const std::vector<Vec3> normals{south, south, north, north};
   Triangles found;
-  REQUIRE(tri::triangulate_ring_dihedral_area(ring, normals, {}, found));
+  REQUIRE(tri::triangulate_ring(ring, normals, {}, tri::RingObjective::dihedral_area, found));
   bool ridge = false;
   for (const auto& t : found) {
     std::set<int> corners(t.begin(), t.end());

@@ -11,7 +11,9 @@ const OptionSchema& FillHolesOptions::schema() {
       Schema<O>()
           .choice("strategy", &O::strategy,
                   {{"nearest-diagonal", HoleStrategy::nearest_diagonal},
-                   {"minimum-area-dihedral", HoleStrategy::minimum_area_dihedral}},
+                   {"minimum-area-dihedral", HoleStrategy::minimum_area_dihedral},
+                   {"minimum-area", HoleStrategy::minimum_area},
+                   {"least-bending", HoleStrategy::least_bending}},
                   {.help = "how a hole is triangulated"})
           .integer("max-edges", &O::max_edges, {.unit = "edges", .min = 3, .help = "loops with more edges stay open"})
           .number("max-diameter", &O::max_diameter,
@@ -20,7 +22,7 @@ const OptionSchema& FillHolesOptions::schema() {
                    {.unit = "edges",
                     .min = 3,
                     .max = 1000,
-                    .help = "longer loops are first cut down to this many edges by nearest diagonals"});
+                    .help = "longer loops are optimised piece by piece"});
   return schema;
 }
 
@@ -51,16 +53,16 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
     } else if (options.reference && options.reference->keeps_open(hole.vertices())) {
       skip("kept open by the reference");
     } else {
-      bool cut_down = false;
+      bool in_pieces = false;
       const std::vector<VertexTriple> triangles =
-          hole.triangulate(options.strategy, options.max_dynamic_edges, cut_down);
+          hole.triangulate(options.strategy, options.max_dynamic_edges, context, in_pieces);
       std::vector<FaceHandle> added;
       if (triangles.empty() || add_faces(view, triangles, &added) != FitResult::fits) {
         skip("no triangulation without an existing edge");
         continue;
       }
       ++filled;
-      cut += cut_down;
+      cut += in_pieces;
       report.faces_added += added.size();
       for (const FaceHandle f : added) report.touched_faces.push_back(static_cast<std::uint32_t>(f.idx()));
       for (const VertexHandle v : hole.vertices())
@@ -69,7 +71,7 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
   }
   if (!cycles.empty()) context.progress("fill-holes", 1);
   if (filled > 0) report.figures["holes filled"] = filled;
-  if (cut > 0) report.figures["holes cut down first"] = cut;
+  if (cut > 0) report.figures["holes optimised in pieces"] = cut;
   return report;
 }
 
