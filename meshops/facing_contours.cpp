@@ -114,6 +114,7 @@ std::vector<FacingContours::Seed> FacingContours::seeds() const {
   std::vector<double> nearness(stations.size(), 1);
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const Station& a = stations[i];
+    if (!view_.may_fill({&a.halfedge, 1})) continue;
     const VertexHandle va = mesh.from_vertex_handle(a.halfedge);
     tree.within(a.point, reach(va, va), neighbors);
     for (const NearestPoints::Neighbor& neighbor : neighbors) {
@@ -154,7 +155,7 @@ std::vector<FacingContours::Seed> FacingContours::seeds() const {
 
 std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
   const auto& mesh = view_.mesh;
-  const auto free = [&](HalfedgeHandle h) { return mesh.is_boundary(h); };
+  const auto free = [&](HalfedgeHandle h) { return mesh.is_boundary(h) && view_.may_fill({&h, 1}); };
   if (!free(seed.first) || !free(seed.second)) return std::nullopt;
   const VertexHandle p0 = mesh.from_vertex_handle(seed.first), q0 = mesh.from_vertex_handle(seed.second);
   if (p0 == q0 || mesh.find_halfedge(p0, q0).is_valid()) return std::nullopt;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <span>
 #include <type_traits>
 
 #include "meshops/mesh.hpp"
+#include "meshops/selection.hpp"
 
 namespace tri {
 
@@ -13,8 +15,39 @@ namespace tri {
 struct MeshView {
   OpenMesh::TriConnectivity& mesh;
   OpenMesh::VPropHandleT<Vec3> position_property;
+  /// What may be changed; null: everything. Outlives the view.
+  const Selection* selection = nullptr;
 
   Vec3& point(VertexHandle v) const { return mesh.property(position_property, v); }
+
+  /// What the selection allows; see there.
+  bool may_replace(FaceHandle f) const { return !selection || selection->may_replace(f); }
+  bool may_move(VertexHandle v) const { return !selection || selection->may_move(v); }
+  /// Flipped, split or collapsed: true if the one or two faces of the edge may be replaced.
+  bool may_change(EdgeHandle e) const {
+    if (!selection) return true;
+    for (const unsigned side : {0u, 1u}) {
+      const FaceHandle f = mesh.face_handle(mesh.halfedge_handle(e, side));
+      if (f.is_valid() && !selection->may_replace(f)) return false;
+    }
+    return true;
+  }
+  /// True if the vertex may be moved and every face around it replaced.
+  bool may_remove(VertexHandle v) const {
+    if (!selection) return true;
+    if (!selection->may_move(v)) return false;
+    for (auto f = mesh.cvf_iter(v); f.is_valid(); ++f)
+      if (!selection->may_replace(*f)) return false;
+    return true;
+  }
+  bool may_fill(std::span<const HalfedgeHandle> loop) const { return !selection || selection->may_fill(mesh, loop); }
+
+  /// The same mesh, for operators that are to keep to a selection.
+  MeshView with(const Selection& part) const {
+    MeshView view = *this;
+    view.selection = &part;
+    return view;
+  }
 };
 
 /// Opens any OpenMesh triangle kernel as a `MeshView` for as long as the lease lives.

@@ -28,9 +28,9 @@ std::vector<std::array<double, 3>> area_samples() {
 }
 
 /// Decides which faces go; changes nothing in the mesh.
-class Selection {
+class Judgement {
  public:
-  Selection(MeshView view, const RemoveRedundantOptions& options, Context& context)
+  Judgement(MeshView view, const RemoveRedundantOptions& options, Context& context)
       : view_(view), mesh_(view.mesh), options_(options), context_(context), mark_(mesh_.n_faces(), kept) {}
 
   void run(Report& report) {
@@ -40,8 +40,8 @@ class Selection {
     for (int f = 0; f < faces(); ++f)
       if (is_kept(FaceHandle(f)) && at_boundary(FaceHandle(f))) boundary.push_back(f);
     peel(boundary);
-    if (options_.keep_vertices) {
-      spare_vertices(report);
+    if (options_.keep_vertices) spare_vertices(report);
+    if (options_.keep_vertices || view_.selection) {  // what would have to go as well may be outside the selection
       spare_bow_ties(report);
     } else {
       delete_bow_ties();
@@ -57,6 +57,8 @@ class Selection {
   int faces() const { return static_cast<int>(mesh_.n_faces()); }
   bool live(FaceHandle f) const { return f.is_valid() && !mesh_.status(f).deleted(); }
   bool is_kept(FaceHandle f) const { return live(f) && mark_[f.idx()] == kept; }
+
+  bool may_go(FaceHandle f) const { return is_kept(f) && view_.may_replace(f); }
 
   std::array<VertexHandle, 3> corners(FaceHandle f) const {
     const HalfedgeHandle h = mesh_.halfedge_handle(f), next = mesh_.next_halfedge_handle(h);
@@ -102,7 +104,7 @@ class Selection {
     for (int i = 0; i < faces(); ++i) {
       pause(i, 0, 0.3);
       const FaceHandle f(i);
-      if (!is_kept(f)) continue;
+      if (!may_go(f)) continue;
       const auto c = corners(f);
       for (int k = 0; k < 3; ++k) {
         const VertexHandle a = c[k], b = c[(k + 1) % 3];
@@ -124,7 +126,7 @@ class Selection {
     for (int i = 0; i < faces(); ++i) {
       pause(i, 0.3, 0.6);
       const FaceHandle f(i);
-      if (!is_kept(f)) continue;
+      if (!may_go(f)) continue;
       const Vec3 n = normal(f);
       if (n.sqrnorm() == 0) continue;
       const auto c = corners(f);
@@ -173,7 +175,7 @@ class Selection {
     for (std::size_t at = 0; at < queue.size(); ++at) {
       if (at % checkpoint_faces == 0) context_.checkpoint();
       const FaceHandle f(queue[at]);
-      if (!is_kept(f) || !stands_out(f)) continue;
+      if (!may_go(f) || !stands_out(f)) continue;
       mark_[f.idx()] = outside;
       for (const FaceHandle g : neighbors(f))
         if (is_kept(g)) queue.push_back(g.idx());
@@ -375,15 +377,15 @@ Report remove_redundant(MeshView view, const RemoveRedundantOptions& options, Co
   context.checkpoint();
   Report report;
   report.operation = "remove-redundant";
-  Selection selection(view, options, context);
-  selection.run(report);
+  Judgement judgement(view, options, context);
+  judgement.run(report);
   context.checkpoint();
 
   const auto& mesh = view.mesh;
   std::vector<VertexHandle> corners;
   for (int i = 0; i < static_cast<int>(mesh.n_faces()); ++i) {
     const FaceHandle f(i);
-    if (!selection.goes(f)) continue;
+    if (!judgement.goes(f)) continue;
     for (auto it = mesh.cfv_iter(f); it.is_valid(); ++it) corners.push_back(*it);
     delete_face(view, f);
     ++report.faces_removed;
@@ -393,7 +395,7 @@ Report remove_redundant(MeshView view, const RemoveRedundantOptions& options, Co
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
   for (const VertexHandle v : corners) {
     report.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
-    if (options.keep_vertices || !mesh.is_isolated(v)) continue;
+    if (options.keep_vertices || !mesh.is_isolated(v) || !view.may_move(v)) continue;
     delete_vertex(view, v);
     ++report.vertices_removed;
   }

@@ -56,7 +56,7 @@ class Stitcher {
       if (!mesh_.is_valid_handle(v) || mesh_.status(v).deleted()) return false;
     for (std::size_t i = 0; i + (closed ? 0 : 1) < n; ++i) {
       const HalfedgeHandle h = mesh_.find_halfedge(contour[i], contour[(i + 1) % n]);
-      if (!h.is_valid() || !mesh_.is_boundary(h)) return false;
+      if (!h.is_valid() || !mesh_.is_boundary(h) || !view_.may_fill({&h, 1})) return false;
     }
     return n > 0;
   }
@@ -126,7 +126,7 @@ class Stitcher {
     if (next == apex || p == q) return true;  // contours that end in one vertex: no triangle is made there
     const VertexHandle a = on_first ? p : next, b = on_first ? next : q;
     const HalfedgeHandle base = mesh_.find_halfedge(a, b);
-    if (!base.is_valid() || !mesh_.is_boundary(base)) return false;
+    if (!base.is_valid() || !mesh_.is_boundary(base) || !view_.may_fill({&base, 1})) return false;
     const HalfedgeHandle far_side = mesh_.find_halfedge(next, apex);
     if (far_side.is_valid() && !mesh_.is_boundary(mesh_.edge_handle(far_side))) return false;
     return turn_at(view_, base, a, b, apex) <= options_.max_turn;
@@ -220,7 +220,7 @@ class Stitcher {
       context_.checkpoint();
       int stitched = 0;
       for (const HalfedgeHandle h : cycle) stitched += is_new(h);
-      if (stitched == 0) continue;
+      if (stitched == 0 || !view_.may_fill(cycle)) continue;
       Hole hole(view_, cycle);
       if (!hole.simple()) continue;
       // The outer rim of two small patches that were joined is no corner. A sheet with n edges around it has fewer than
