@@ -27,7 +27,7 @@ void register_operators(Registry& registry) {
   registry.add_conversion("to-soup", Domain::mesh, Domain::soup, to_soup_step,
                           "Turns a mesh into points and triangles again, without deleted elements");
   registry.add("compact", compact, "Drops elements marked as deleted; the others keep their order",
-               {.keeps_handles = false});
+               {.keeps_handles = false, .takes_selection = false});
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
   registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
   registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");

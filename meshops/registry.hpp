@@ -23,6 +23,8 @@ struct Promises {
   bool idempotent = true;
   /// Handles of elements that stay are the same afterwards; only `compact` renumbers.
   bool keeps_handles = true;
+  /// Keeps to the selection of its view; only `compact`, which renumbers everything, refuses one.
+  bool takes_selection = true;
 };
 
 /// A registered operator without the type of its options. `options` pointers point to the operator's own options

@@ -74,6 +74,7 @@ Report compact(MeshView view, const CompactOptions& options, Context& context) {
   Connectivity& mesh = view.mesh;
   if (!mesh.has_vertex_status() || !mesh.has_edge_status() || !mesh.has_halfedge_status() || !mesh.has_face_status())
     throw InvalidInput("compact needs the status attributes of all elements; request them before elements are deleted");
+  if (view.selection) throw InvalidInput("compact takes no selection: it renumbers the elements of the whole mesh");
   context.checkpoint();
 
   ElementMaps maps;

@@ -20,8 +20,8 @@ struct CompactOptions {
 /// those of the elements dropped. A mesh without deleted elements is returned bit for bit, with empty maps.
 /// O(elements).
 ///
-/// Cancel is heeded before the first change only. @throws InvalidInput if the mesh has no status attributes or a face
-/// that stays uses a deleted vertex or edge; the mesh is untouched.
+/// Cancel is heeded before the first change only. @throws InvalidInput if the mesh has no status attributes a face
+/// that stays uses a deleted vertex or edge, or the view has a selection; the mesh is untouched.
 Report compact(MeshView mesh, const CompactOptions& options, Context& context);
 
 }  // namespace tri

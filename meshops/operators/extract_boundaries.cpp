@@ -30,7 +30,8 @@ Report extract_boundaries(MeshView view, const ExtractBoundariesOptions& options
   validate(options);
   context.checkpoint();
   auto& mesh = view.mesh;
-  const std::vector<BoundaryLoop> loops = boundary_loops(view);
+  std::vector<BoundaryLoop> loops = boundary_loops(view);
+  std::erase_if(loops, [&](const BoundaryLoop& loop) { return !view.may_fill(loop.halfedges); });
   context.checkpoint();
 
   Report report;

@@ -37,6 +37,7 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
   for (std::size_t i = 0; i < cycles.size(); ++i) {
     context.checkpoint();
     context.progress("fill-holes", static_cast<double>(i) / static_cast<double>(cycles.size()));
+    if (!view.may_fill(cycles[i])) continue;
     Hole hole(view, cycles[i]);
     const auto skip = [&](const char* reason) { ++report.skipped[reason]; };
     if (hole.size() > options.max_edges) {

@@ -98,7 +98,7 @@ class Flipper {
     std::uint64_t not_lower = 0, there_already = 0;
     for (int i = 0; i < count(mesh_.n_edges()); ++i) {
       const EdgeHandle e(i);
-      if (!is_inner(e)) continue;
+      if (!is_inner(e) || !view_.may_change(e)) continue;
       const Quad quad = quad_of(e);
       if (!rule_prefers_flip(quad)) continue;
       if (!mesh_.is_flip_ok(e)) {
@@ -243,7 +243,7 @@ class Flipper {
   }
 
   void enter(EdgeHandle e) {
-    if (queued_[e.idx()] || !is_inner(e)) return;
+    if (queued_[e.idx()] || !is_inner(e) || !view_.may_change(e)) return;
     queued_[e.idx()] = 1;
     queue_.push_back(e);
   }

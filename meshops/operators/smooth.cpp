@@ -72,7 +72,7 @@ class Smoother {
     std::size_t on_crease = 0, on_boundary = 0, corners = 0, not_finite = 0, alive = 0, creased = 0;
     for (std::size_t i = 0; i < before_.size(); ++i) {
       const VertexHandle v(static_cast<int>(i));
-      if (mesh_.status(v).deleted() || mesh_.is_isolated(v)) continue;
+      if (mesh_.status(v).deleted() || mesh_.is_isolated(v) || !view_.may_move(v)) continue;
       ++alive;
       const VertexClass c = features[v];
       creased +=
