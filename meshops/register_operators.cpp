@@ -1,5 +1,6 @@
 #include "meshops/conversions.hpp"
 #include "meshops/operators/compact.hpp"
+#include "meshops/operators/decimate.hpp"
 #include "meshops/operators/extract_boundaries.hpp"
 #include "meshops/operators/fill_holes.hpp"
 #include "meshops/operators/flip_diagonals.hpp"
@@ -28,6 +29,8 @@ void register_operators(Registry& registry) {
                           "Turns a mesh into points and triangles again, without deleted elements");
   registry.add("compact", compact, "Drops elements marked as deleted; the others keep their order",
                {.keeps_handles = false, .takes_selection = false});
+  registry.add("decimate", decimate, "Fewer triangles for the same shape: collapses edges in order of their quadric error",
+               {.leaves_good_mesh = false, .idempotent = false});
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
   registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
   registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");
