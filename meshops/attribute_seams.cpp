@@ -2,10 +2,16 @@
 
 #include <string>
 
+#include "meshops/corner_values.hpp"
 #include "meshops/label_property.hpp"
+#include "meshops/property_types.hpp"
 
 namespace tri {
 namespace {
+
+std::size_t index(OpenMesh::BaseHandle handle) {
+  return static_cast<std::size_t>(handle.idx());
+}
 
 /// Marks the edges at which `jumps(left, right)` holds for their two half-edges.
 template <class Jumps>
@@ -16,29 +22,6 @@ void mark(const OpenMesh::TriConnectivity& mesh, std::vector<std::uint8_t>& seam
     if (seams[i] || mesh.status(e).deleted() || mesh.is_boundary(e)) continue;
     seams[i] = jumps(mesh.halfedge_handle(e, 0), mesh.halfedge_handle(e, 1));
   }
-}
-
-template <class T>
-bool mark_corners(const OpenMesh::TriConnectivity& mesh, const OpenMesh::BaseProperty* base,
-                  std::vector<std::uint8_t>& seams) {
-  const auto* values = dynamic_cast<const OpenMesh::PropertyT<T>*>(base);
-  if (!values) return false;
-  mark(mesh, seams, [&](HalfedgeHandle left, HalfedgeHandle right) {
-    // The corner in which a half-edge ends, and that of the same vertex in the triangle beyond.
-    return (*values)[left.idx()] != (*values)[mesh.prev_halfedge_handle(right).idx()] ||
-           (*values)[right.idx()] != (*values)[mesh.prev_halfedge_handle(left).idx()];
-  });
-  return true;
-}
-
-template <class T>
-void mark_faces(const OpenMesh::TriConnectivity& mesh, const OpenMesh::BaseProperty* base,
-                std::vector<std::uint8_t>& seams) {
-  const auto* values = dynamic_cast<const OpenMesh::PropertyT<T>*>(base);
-  if (!values) return;
-  mark(mesh, seams, [&](HalfedgeHandle left, HalfedgeHandle right) {
-    return (*values)[mesh.face_handle(left).idx()] != (*values)[mesh.face_handle(right).idx()];
-  });
 }
 
 bool has_labels(const OpenMesh::TriConnectivity& mesh, const std::string& name) {
@@ -52,18 +35,24 @@ bool has_labels(const OpenMesh::TriConnectivity& mesh, const std::string& name) 
 std::vector<std::uint8_t> attribute_seams(MeshView view) {
   const OpenMesh::TriConnectivity& mesh = view.mesh;
   std::vector<std::uint8_t> seams;
-  for (auto it = mesh.hprops_begin(); it != mesh.hprops_end(); ++it) {
-    const OpenMesh::BaseProperty* p = *it;
-    if (!p || !p->name().starts_with("h:") || p->name() == "h:status") continue;
-    mark_corners<double>(mesh, p, seams) || mark_corners<float>(mesh, p, seams) || mark_corners<int>(mesh, p, seams) ||
-        mark_corners<OpenMesh::Vec2f>(mesh, p, seams) || mark_corners<OpenMesh::Vec2d>(mesh, p, seams) ||
-        mark_corners<OpenMesh::Vec3f>(mesh, p, seams) || mark_corners<OpenMesh::Vec3d>(mesh, p, seams);
-  }
+  const PropertyTypes& types = PropertyTypes::standard();
+  for_each_corner_property(view.mesh, [&](const OpenMesh::BaseProperty& property) {
+    const PropertyType* type = types.find(property);
+    if (!type) return;
+    mark(mesh, seams, [&](HalfedgeHandle left, HalfedgeHandle right) {
+      // The corner in which a half-edge ends, and that of the same vertex in the triangle beyond.
+      return !type->equal(property, index(left), index(mesh.prev_halfedge_handle(right))) ||
+             !type->equal(property, index(right), index(mesh.prev_halfedge_handle(left)));
+    });
+  });
   for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it) {
-    const OpenMesh::BaseProperty* p = *it;
-    if (!p || !p->name().starts_with("f:")) continue;
-    mark_faces<int>(mesh, p, seams);
-    if (has_labels(mesh, p->name().substr(2))) mark_faces<double>(mesh, p, seams);
+    if (!*it || !(*it)->name().starts_with("f:") || (*it)->name() == "f:status") continue;
+    const OpenMesh::BaseProperty& property = **it;
+    const PropertyType* type = types.find(property);
+    if (!type || (type->blends() && !has_labels(mesh, property.name().substr(2)))) continue;
+    mark(mesh, seams, [&](HalfedgeHandle left, HalfedgeHandle right) {
+      return !type->equal(property, index(mesh.face_handle(left)), index(mesh.face_handle(right)));
+    });
   }
   return seams;
 }

@@ -10,8 +10,8 @@ namespace tri {
 /// A queue of items by cost in which nothing enters below the cost that was taken out last: constant time for each
 /// step, no memory but two numbers per item.
 ///
-/// Costs that differ by less than 1% may share a bucket, within which the first to enter is the first to leave. An item is in
-/// the queue once or not at all.
+/// Costs that differ by less than 1% may share a bucket, within which the first to enter is the first to leave. An item
+/// is in the queue once or not at all.
 class BucketQueue {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();

@@ -251,6 +251,46 @@ void blend_vertex(MeshView view, VertexHandle v, std::span<const VertexSource> s
   }
 }
 
+void blend_corners(MeshView view, HalfedgeHandle h, double share) {
+  Connectivity& mesh = view.mesh;
+  const PropertyTypes& types = PropertyTypes::standard();
+  const HalfedgeHandle o = mesh.opposite_halfedge_handle(h);
+  std::vector<HalfedgeHandle> left, right;  // corners at the end of `h`, in the order in which the triangles follow
+  for_each_corner_property(mesh, [&](OpenMesh::BaseProperty& property) {
+    const PropertyType* type = types.find(property);
+    if (!type) return;
+    const auto joined = [&](HalfedgeHandle a, HalfedgeHandle b) {
+      return !mesh.is_boundary(b) && type->equal(property, index(a), index(b));
+    };
+    left.clear();
+    right.clear();
+    if (!mesh.is_boundary(h)) {
+      HalfedgeHandle c = h;
+      do {
+        left.push_back(c);
+        c = mesh.opposite_halfedge_handle(mesh.next_halfedge_handle(c));
+      } while (c != h && joined(h, c));
+    }
+    if (!mesh.is_boundary(o)) {
+      const HalfedgeHandle first = mesh.prev_halfedge_handle(o);
+      for (HalfedgeHandle c = first; (left.empty() || c != left.back()) && joined(first, c);) {
+        right.push_back(c);
+        c = mesh.prev_halfedge_handle(mesh.opposite_halfedge_handle(c));
+        if (c == first) break;
+      }
+    }
+    const auto blend = [&](const std::vector<HalfedgeHandle>& corners, HalfedgeHandle at_start) {
+      if (corners.empty()) return;
+      const std::array sources{WeightedIndex{index(at_start), 1 - share}, WeightedIndex{index(corners.front()), share}};
+      type->blend(property, sources, index(corners.front()));
+      for (const HalfedgeHandle c : corners)
+        if (c != corners.front()) property.copy(index(corners.front()), index(c));
+    };
+    blend(left, mesh.prev_halfedge_handle(h));
+    blend(right, o);
+  });
+}
+
 void reverse_faces(MeshView view, std::span<const FaceHandle> faces) {
   Connectivity& mesh = view.mesh;
   struct Link {

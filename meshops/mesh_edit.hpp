@@ -55,7 +55,7 @@ VertexHandle split_face(MeshView mesh, FaceHandle face, const Vec3& point, const
 
 /// Pulls the vertex in which a half-edge begins into the one in which it ends: the vertex, the edge and its one or two
 /// triangles are deleted, and of the two pairs of edges that fall together those of the end stay (and are a feature if one
-/// of the two was). The end keeps its position and values (see `blend_vertex`). Corners of the vertex that goes take over
+/// of the two was). The end keeps its position and values (see `blend_vertex` and `blend_corners`). Corners of the vertex that goes take over
 /// the values of the end's corners, on both sides of a seam; corners between two seams keep their own.
 /// @param h  for which `is_collapse_ok` is true
 void collapse(MeshView mesh, HalfedgeHandle h);
@@ -72,6 +72,11 @@ VertexHandle add_vertex(MeshView mesh, const Vec3& point, std::span<const Vertex
 /// Sets the values of a vertex, but for its position and status, from others (it may be one of them): before a collapse to a
 /// place between two vertices, say.
 void blend_vertex(MeshView mesh, VertexHandle v, std::span<const VertexSource> sources);
+
+/// The same for the values of the corners at the end of a half-edge, before a collapse to a place along it: on either side
+/// of it, as far as there is no seam, they become the mean of what the corners at its two ends have there.
+/// @param share  of the end, 0 to 1
+void blend_corners(MeshView mesh, HalfedgeHandle h, double share);
 
 /// Turns triangles over; corner values stay at their corners. All handles keep; half-edges change direction.
 /// @param faces  each once, and with each all that are joined to it by edges

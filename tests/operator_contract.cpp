@@ -150,7 +150,8 @@ TEST_CASE("contract: the mesh is valid afterwards, and the report counts what ch
       CHECK(mesh.n_vertices() >= input.n_vertices());
       if (report.vertices_moved == 0)
         for (std::size_t i = 0; i < input.n_vertices(); ++i)
-          CHECK(mesh.point(VertexHandle(static_cast<int>(i))) == input.point(VertexHandle(static_cast<int>(i))));
+          if (!mesh.status(VertexHandle(static_cast<int>(i))).deleted())
+            CHECK(mesh.point(VertexHandle(static_cast<int>(i))) == input.point(VertexHandle(static_cast<int>(i))));
     }
     for (const std::uint32_t f : report.touched_faces) CHECK(f < mesh.n_faces());
     for (const std::uint32_t v : report.touched_vertices) CHECK(v < mesh.n_vertices());
@@ -275,13 +276,18 @@ TEST_CASE("contract: an editor's float kernel keeps its properties, selection an
     CHECK(unnamed(mesh) == unnamed(before));
     REQUIRE(mesh.has_vertex_status());
     if (!op.promises().keeps_handles) return;
+    // What can be averaged is, where a vertex took the place of two (and perhaps went itself later).
+    std::vector<bool> moved(mesh.n_vertices(), false);
+    for (const std::uint32_t v : report.touched_vertices) moved[v] = report.vertices_moved > 0;
+    for (std::size_t i = 0; i < before.n_vertices(); ++i)
+      if (mesh.status(VertexHandle(static_cast<int>(i))).deleted()) moved[i] = true;
     for (std::size_t i = 0; i < before.n_vertices(); ++i) {
       const VertexHandle v(static_cast<int>(i));
       CHECK(mesh.property(id, v) == 100 + v.idx());
       CHECK(mesh.data(v).tag == v.idx());
       CHECK(mesh.status(v).selected() == (v.idx() % 3 == 0));
-      CHECK(mesh.color(v) == before.color(v));
-      if (report.vertices_moved == 0) CHECK(mesh.point(v) == before.point(v));
+      if (!moved[i]) CHECK(mesh.color(v) == before.color(v));
+      if (report.vertices_moved == 0 && !moved[i]) CHECK(mesh.point(v) == before.point(v));
     }
     for (std::size_t i = 0; i < before.n_faces(); ++i)
       CHECK(mesh.property(label, FaceHandle(static_cast<int>(i))) == "face " + std::to_string(i));

@@ -12,33 +12,31 @@
 #include "meshops/bucket_queue.hpp"
 #include "meshops/features.hpp"
 #include "meshops/for_each_block.hpp"
+#include "meshops/mesh_edit.hpp"
 #include "meshops/plain_vector.hpp"
 #include "meshops/quadric.hpp"
 
 namespace tri {
 namespace {
 
-using Mesh = OpenMesh::TriConnectivity;
-
 constexpr double boundary_weight = 10;  // of a boundary's upright planes against surface of the same extent
 constexpr double crease_weight = 1;
-constexpr double shape_weight = 1e-10;   // of the length of an edge: decides where there is no error, on planes
-constexpr double rounding = 1e-12;       // of the area times the squared length: costs that differ by less are equal
-constexpr double least_cosine = 0.25;    // between the normals of a triangle before and after
+constexpr double shape_weight = 1e-10;  // of the length of an edge: decides where there is no error, on planes
+constexpr double rounding = 1e-12;      // of the area times the squared length: costs that differ by less are equal
+constexpr double least_cosine = 0.25;   // between the normals of a triangle before and after
 constexpr std::size_t block_size = 8192;
 
 enum class Kind : std::uint8_t { free, line, fixed };
 
 enum class Reason : std::uint8_t { none, line, error, topology, flip, needle, numbers, count };
 
-constexpr std::array<const char*, static_cast<std::size_t>(Reason::count)> reason_names{
-    "",
-    "would move a boundary or seam",
-    "error above the limit",
-    "would change the topology",
-    "would turn a triangle over",
-    "would make a needle",
-    "numbers out of range"};
+constexpr std::array<const char*, static_cast<std::size_t>(Reason::count)> reason_names{"",
+                                                                                        "would move a boundary or seam",
+                                                                                        "error above the limit",
+                                                                                        "would change the topology",
+                                                                                        "would turn a triangle over",
+                                                                                        "would make a needle",
+                                                                                        "numbers out of range"};
 
 /// A collapse as it would be done.
 struct Collapse {
@@ -117,14 +115,15 @@ class Decimator {
   /// Takes the mean length of the edges as the unit in which costs are compared.
   void find_unit() {
     std::vector<std::array<double, 2>> sums((mesh_.n_edges() + block_size - 1) / block_size, {0, 0});
-    for_each_block(context_, "", mesh_.n_edges(), block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const EdgeHandle e(static_cast<int>(i));
-        if (mesh_.status(e).deleted()) continue;
-        const double length = edge_vector(mesh_.halfedge_handle(e, 0)).norm();
-        if (std::isfinite(length)) sums[block][0] += length, sums[block][1] += 1;
-      }
-    });
+    for_each_block(context_, "", mesh_.n_edges(), block_size,
+                   [&](std::size_t block, std::size_t begin, std::size_t end) {
+                     for (std::size_t i = begin; i < end; ++i) {
+                       const EdgeHandle e(static_cast<int>(i));
+                       if (mesh_.status(e).deleted()) continue;
+                       const double length = edge_vector(mesh_.halfedge_handle(e, 0)).norm();
+                       if (std::isfinite(length)) sums[block][0] += length, sums[block][1] += 1;
+                     }
+                   });
     double sum = 0, count = 0;
     for (const auto& s : sums) sum += s[0], count += s[1];
     const double mean = sum / count, fourth = mean * mean * mean * mean;
@@ -186,7 +185,7 @@ class Decimator {
     const Kind a = kinds_[goes.idx()], b = kinds_[stays.idx()];
     if (a == Kind::fixed || (a == Kind::line && !lines_[e.idx()])) return Reason::line;
     c.halfedge = h;
-    const Vec3 from = view_.point(goes), half = (view_.point(stays) - from) * 0.5;
+    Vec3 half = (view_.point(stays) - view_.point(goes)) * 0.5;
     Quadric q = quadrics_[goes.idx()];
     q.move_origin(half);
     q.add_from(quadrics_[stays.idx()], -half);
@@ -199,7 +198,12 @@ class Decimator {
     } else {
       place_freely(q, half, length2, c.to_place, value);
     }
-    c.place = c.to_place == half ? view_.point(stays) : c.to_place == -half ? from : from + half + c.to_place;
+    if (!held && (c.to_place | half) < 0) {  // the nearer end is the one that stays
+      c.halfedge = mesh_.opposite_halfedge_handle(h);
+      half = -half;
+      std::swap(goes, stays);
+    }
+    c.place = c.to_place == half ? view_.point(stays) : view_.point(goes) + half + c.to_place;
     value = std::max(value, 0.0);
     c.error2 = q.area > 0 ? value / q.area : 0;
     c.cost = (value + shape_weight * q.area * length2) * per_unit_;
@@ -264,7 +268,8 @@ class Decimator {
       neighbours.push_back(a);
       const HalfedgeHandle back = mesh_.prev_halfedge_handle(h);
       // Beside the edge are the triangle of `first` itself and the last one.
-      if (h != first && back != last && !mesh_.is_boundary(h)) fan.push_back({{a, mesh_.from_vertex_handle(back).idx()}});
+      if (h != first && back != last && !mesh_.is_boundary(h))
+        fan.push_back({{a, mesh_.from_vertex_handle(back).idx()}});
       h = mesh_.opposite_halfedge_handle(back);
     } while (h != first);
   }
@@ -342,10 +347,14 @@ class Decimator {
     q.add_from(quadrics_[goes.idx()], half + c.to_place);
     greatest_ = std::max(greatest_, c.error2);
     if (c.place != view_.point(stays)) {
-      view_.point(stays) = c.place;
+      // Where the new vertex is along the edge, for all its values.
+      const double share = std::clamp(0.5 + (c.to_place | half) / (2 * half.sqrnorm()), 0.0, 1.0);
+      blend_vertex(view_, stays, std::array{VertexSource{stays, share}, VertexSource{goes, 1 - share}});
+      blend_corners(view_, h, share);
+      set_point(view_, stays, c.place);
       moved_[stays.idx()] = 1;
     }
-    mesh_.collapse(h);
+    collapse(view_, h);
     ++report_.vertices_removed;
     enter_again(stays);
   }
@@ -387,7 +396,7 @@ class Decimator {
   }
 
   MeshView view_;
-  Mesh& mesh_;
+  OpenMesh::TriConnectivity& mesh_;
   const DecimateOptions& options_;
   Context& context_;
   Report report_;
@@ -395,12 +404,12 @@ class Decimator {
   std::size_t faces_ = 0, start_ = 0, target_ = 0;
   double per_unit_ = 1;
   double greatest_ = 0;
-  PlainVector<Quadric> quadrics_;     ///< per vertex, relative to it
-  PlainVector<Kind> kinds_;           ///< per vertex
-  PlainVector<std::uint8_t> lines_;   ///< per edge: on a boundary or seam
-  std::vector<Reason> reasons_;       ///< per edge: why it was refused last
-  std::vector<std::uint8_t> moved_;   ///< per vertex
-  std::vector<std::uint32_t> stamps_; ///< per vertex: the last collapse in which it was a neighbour
+  PlainVector<Quadric> quadrics_;      ///< per vertex, relative to it
+  PlainVector<Kind> kinds_;            ///< per vertex
+  PlainVector<std::uint8_t> lines_;    ///< per edge: on a boundary or seam
+  std::vector<Reason> reasons_;        ///< per edge: why it was refused last
+  std::vector<std::uint8_t> moved_;    ///< per vertex
+  std::vector<std::uint32_t> stamps_;  ///< per vertex: the last collapse in which it was a neighbour
   std::uint32_t stamp_ = 0;
   std::array<std::vector<Fan>, 2> fans_;
   std::array<std::vector<int>, 2> neighbours_;
@@ -412,10 +421,15 @@ const OptionSchema& DecimateOptions::schema() {
   using O = DecimateOptions;
   static const OptionSchema schema =
       Schema<O>()
-          .integer("faces", &O::faces, {.unit = "faces", .min = 0, .help = "stop at this many faces; 0: no such target"})
-          .number("ratio", &O::ratio, {.min = 0, .max = 1, .help = "stop at this share of the faces; 0: no such target"})
+          .integer("faces", &O::faces,
+                   {.unit = "faces", .min = 0, .help = "stop at this many faces; 0: no such target"})
+          .number("ratio", &O::ratio,
+                  {.min = 0, .max = 1, .help = "stop at this share of the faces; 0: no such target"})
           .number("max-error", &O::max_error,
-                  {.unit = "mm", .min = 0, .infinite = true, .help = "no collapse whose quadric error exceeds this distance"})
+                  {.unit = "mm",
+                   .min = 0,
+                   .infinite = true,
+                   .help = "no collapse whose quadric error exceeds this distance"})
           .angle("feature-angle", &O::feature_angle,
                  {.min = 0, .max = 180, .help = "angle between two normals above which an edge is held as a crease"})
           .number("min-roundness", &O::min_roundness,
