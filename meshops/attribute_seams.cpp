@@ -24,9 +24,12 @@ void mark(const OpenMesh::TriConnectivity& mesh, std::vector<std::uint8_t>& seam
   }
 }
 
-bool has_labels(const OpenMesh::TriConnectivity& mesh, const std::string& name) {
+/// Whether a face property divides the mesh into regions.
+bool divides(const OpenMesh::TriConnectivity& mesh, const std::string& property) {
+  for (const char* name : {"f:cad_face", "f:group", "f:material", "f:object"})
+    if (property == name) return true;
   for (auto it = mesh.mprops_begin(); it != mesh.mprops_end(); ++it)
-    if (*it && (*it)->name() == property::labels + name) return true;
+    if (*it && (*it)->name() == property::labels + property.substr(2)) return true;
   return false;
 }
 
@@ -46,10 +49,10 @@ std::vector<std::uint8_t> attribute_seams(MeshView view) {
     });
   });
   for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it) {
-    if (!*it || !(*it)->name().starts_with("f:") || (*it)->name() == "f:status") continue;
+    if (!*it || !(*it)->name().starts_with("f:") || !divides(mesh, (*it)->name())) continue;
     const OpenMesh::BaseProperty& property = **it;
     const PropertyType* type = types.find(property);
-    if (!type || (type->blends() && !has_labels(mesh, property.name().substr(2)))) continue;
+    if (!type) continue;
     mark(mesh, seams, [&](HalfedgeHandle left, HalfedgeHandle right) {
       return !type->equal(property, index(mesh.face_handle(left)), index(mesh.face_handle(right)));
     });

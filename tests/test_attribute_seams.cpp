@@ -58,9 +58,9 @@ TEST_CASE("attribute seams: lie where corner values or groups jump, not where th
 
   OpenMesh::FPropHandleT<double> material;
   OpenMesh::MPropHandleT<std::vector<std::string>> names;
-  mesh.add_property(material, "f:material");
+  mesh.add_property(material, "f:paint");
   for (const FaceHandle f : mesh.faces()) mesh.property(material, f) = right(f);
   CHECK(seams(mesh) == 0);
-  mesh.add_property(names, std::string(property::labels) + "material");
+  mesh.add_property(names, std::string(property::labels) + "paint");
   CHECK(seams(mesh) == 3);
 }

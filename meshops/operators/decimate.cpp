@@ -30,13 +30,14 @@ enum class Kind : std::uint8_t { free, line, fixed };
 
 enum class Reason : std::uint8_t { none, line, error, topology, flip, needle, numbers, count };
 
-constexpr std::array<const char*, static_cast<std::size_t>(Reason::count)> reason_names{"",
-                                                                                        "would move a boundary or seam",
-                                                                                        "error above the limit",
-                                                                                        "would change the topology",
-                                                                                        "would turn a triangle over",
-                                                                                        "would make a needle",
-                                                                                        "numbers out of range"};
+constexpr std::array<const char*, static_cast<std::size_t>(Reason::count)> reason_names{
+    "",
+    "would move a boundary, a seam or what is not selected",
+    "error above the limit",
+    "would change the topology",
+    "would turn a triangle over",
+    "would make a needle",
+    "numbers out of range"};
 
 /// A collapse as it would be done.
 struct Collapse {
@@ -58,8 +59,10 @@ class Decimator {
       : view_(view), mesh_(view.mesh), options_(options), context_(context), queue_(view.mesh.n_edges()) {}
 
   Report run() {
-    for (std::size_t i = 0; i < mesh_.n_faces(); ++i)
-      faces_ += !mesh_.status(FaceHandle(static_cast<int>(i))).deleted();
+    for (std::size_t i = 0; i < mesh_.n_faces(); ++i) {
+      const FaceHandle f(static_cast<int>(i));
+      faces_ += !mesh_.status(f).deleted() && view_.may_replace(f);
+    }
     start_ = faces_;
     target_ = target();
     if (faces_ > target_) {
@@ -156,6 +159,7 @@ class Decimator {
       h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
     } while (h != first);
     if (lines > 0) kinds_[i] = lines == 2 ? Kind::line : Kind::fixed;
+    if (!view_.may_remove(v)) kinds_[i] = Kind::fixed;
   }
 
   /// Adds the plane through an edge at the origin that stands upright on a triangle at it.

@@ -38,6 +38,8 @@ struct DecimateOptions {
 /// boundaries or seams, or cut a chord between two places of one. Corners at which three seams or boundaries meet stay
 /// where they are. A boundary or crease moves within the error only; a straight one stays straight.
 ///
+/// With a selection only its faces count for the targets, and all vertices stay around which there is a face outside.
+///
 /// Of two ends, one is marked deleted, with its edge and the triangles beside it; the other stays, with its handle,
 /// where the new vertex is. Values of the vertex and its corners are interpolated between those of the two ends.
 /// Figures: "faces", "greatest error" (model units, as above). `skipped`, if no target stopped the work: edges that
