@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "meshops/arrangement/face_triangulation.hpp"
+#include "meshops/arrangement/grid_hash.hpp"
 #include "meshops/arrangement/triangle_meeting.hpp"
 #include "meshops/overlap_tree.hpp"
 
@@ -17,25 +18,17 @@ using EdgeKey = std::uint64_t;
 
 constexpr std::size_t max_rounds = 20;
 constexpr std::size_t exact_rounds = 1;  ///< before what is near is taken to touch
-constexpr double first_reach = 256;         ///< grid steps: one part in 2^20
-constexpr std::size_t reach_doublings = 7;  ///< up to one part in 2^13
+constexpr std::size_t reach_doublings = 7;
 constexpr int tidy_passes = 4;
 
 EdgeKey key_of(std::uint32_t a, std::uint32_t b) {
   return static_cast<EdgeKey>(std::min(a, b)) << 32 | std::max(a, b);
 }
 
-struct GridHash {
-  std::size_t operator()(const GridPoint& p) const {
-    std::uint64_t h = 0x9e3779b97f4a7c15u;
-    for (const std::int64_t x : p) h = (h ^ static_cast<std::uint64_t>(x)) * 0xff51afd7ed558ccdu, h ^= h >> 29;
-    return static_cast<std::size_t>(h);
-  }
-};
-
 class Resolver {
  public:
-  Resolver(CrossingComplex& complex, Context& context) : c_(complex), context_(context) {}
+  Resolver(CrossingComplex& complex, double first_reach, Context& context)
+      : c_(complex), first_reach_(first_reach), context_(context) {}
 
   CrossingReport run() {
     for (std::uint32_t i = 0; i < c_.points.size(); ++i) number_.emplace(c_.points[i], i);
@@ -45,7 +38,7 @@ class Resolver {
     const std::size_t most_faces = 50000 + 20 * c_.faces.size();
     for (std::size_t round = 0; round < max_rounds; ++round) {
       context_.checkpoint();
-      reach_ = round < exact_rounds ? 0 : std::ldexp(first_reach, static_cast<int>(std::min(round - exact_rounds, reach_doublings)));
+      reach_ = round < exact_rounds ? 0 : std::ldexp(first_reach_, static_cast<int>(std::min(round - exact_rounds, reach_doublings)));
       find();
       if (round == 0) report.pairs = pairs_;
       report.left = pairs_;
@@ -129,6 +122,9 @@ class Resolver {
     }
     std::sort(involved_.begin(), involved_.end());
     involved_.erase(std::unique(involved_.begin(), involved_.end()), involved_.end());
+    // Those that meet nothing need to be looked at again only beside what changes.
+    std::fill(fresh_.begin(), fresh_.end(), 0);
+    for (const std::uint32_t f : involved_) fresh_[f] = 1;
   }
 
   /// Takes what is near to touch until nothing is; crossings are cut only afterwards, else bundles of nearly parallel sides
@@ -491,6 +487,7 @@ class Resolver {
   }
 
   CrossingComplex& c_;
+  const double first_reach_;
   Context& context_;
   std::unordered_map<GridPoint, std::uint32_t, GridHash> number_;
   std::vector<char> fresh_;  ///< faces made in the round before
@@ -507,6 +504,8 @@ class Resolver {
 
 }  // namespace
 
-CrossingReport resolve_crossings(CrossingComplex& complex, Context& context) { return Resolver(complex, context).run(); }
+CrossingReport resolve_crossings(CrossingComplex& complex, double first_reach, Context& context) {
+  return Resolver(complex, first_reach, context).run();
+}
 
 }  // namespace tri

@@ -37,8 +37,8 @@ struct CrossingReport {
 /// points to the grid [iterated snap rounding: Lazard & Valque 2025; Hobby 1999]; what the rounding makes cross is cut in the
 /// next, on a coarser grid after a few rounds. As a chain the surface stays what it was: where it was closed it is closed,
 /// though faces that fall together become one with `net` their sum.
-/// @param complex   points and faces may contain duplicates and faces without area at first
-/// @param first_new faces from this index on are compared with all, those before only with these; 0 compares all
-CrossingReport resolve_crossings(CrossingComplex& complex, Context& context);
+/// @param complex     points and faces may contain duplicates and faces without area at first
+/// @param first_reach grid steps within which things are taken to touch in the second round; doubled in each of the next seven
+CrossingReport resolve_crossings(CrossingComplex& complex, double first_reach, Context& context);
 
 }  // namespace tri

@@ -30,7 +30,7 @@ class Builder {
     join(rings);
     context.checkpoint();
     number();
-    halve_double_edges(rings);
+    halve_double_edges();
     return std::move(out_);
   }
 
@@ -129,7 +129,7 @@ class Builder {
   /// One vertex for each fan; the first keeps the number of the point.
   void number() {
     const auto points = static_cast<std::uint32_t>(c_.points.size());
-    for (std::uint32_t p = 0; p < points; ++p) out_.vertex.push_back({p, p});
+    for (std::uint32_t p = 0; p < points; ++p) out_.vertices.push_back({p, c_.points[p]});
     std::vector<std::uint32_t> first(points, none), name(parent_.size(), none);
     for (std::uint32_t corner = 0; corner < parent_.size(); ++corner) {
       const std::uint32_t root = find(corner), point = out_.triangles[corner / 3][corner % 3];
@@ -138,8 +138,8 @@ class Builder {
           first[point] = root;
           name[root] = point;
         } else {
-          name[root] = static_cast<std::uint32_t>(out_.vertex.size());
-          out_.vertex.push_back({point, point});
+          name[root] = static_cast<std::uint32_t>(out_.vertices.size());
+          out_.vertices.push_back({point, c_.points[point]});
         }
       }
     }
@@ -149,26 +149,59 @@ class Builder {
 
   /// Two pairs of sheets at one edge whose ends are the same vertices need an edge each: every pair gets a vertex of its own
   /// in the middle.
-  void halve_double_edges(const EdgeRings& rings) {
-    std::map<std::uint32_t, std::array<std::uint32_t, 3>> middles;  // of triangles: at each side
+  void halve_double_edges() {
+    Middles middles;
     for (const auto& [edge, pairs] : crowded_) {
       std::vector<std::array<std::uint32_t, 2>> ends;
       for (const auto& [a, b] : pairs) ends.push_back({out_.triangles[a.triangle][a.low], out_.triangles[a.triangle][a.high]});
       std::sort(ends.begin(), ends.end());
       if (std::adjacent_find(ends.begin(), ends.end()) == ends.end()) continue;
       ++out_.edges_halved;
-      const EdgeRings::Wing& w = rings.wings[rings.first[edge]];
-      const Triangle& v = c_.faces[w.face].v;
       for (const auto& pair : pairs) {
-        const auto middle = static_cast<std::uint32_t>(out_.vertex.size());
-        out_.vertex.push_back({v[w.side], v[(w.side + 1) % 3]});
-        for (const Sheet& s : pair) {
-          auto& at = middles.try_emplace(s.triangle, std::array<std::uint32_t, 3>{none, none, none}).first->second;
-          at[(s.low + 1) % 3 == s.high ? s.low : s.high] = middle;
-        }
+        const std::uint32_t middle = add_middle(pair[0].triangle, pair[0].low, pair[0].high);
+        for (const Sheet& s : pair) at(middles, s.triangle)[(s.low + 1) % 3 == s.high ? s.low : s.high] = middle;
       }
     }
-    for (const auto& [triangle, at] : middles) cut_at(triangle, at);
+    if (middles.empty()) return;
+    parent_.resize(out_.triangles.size());
+    std::iota(parent_.begin(), parent_.end(), 0);
+    const auto first_middle = static_cast<std::uint32_t>(out_.vertices.size() - count_middles_);
+    for (const auto& [triangle, sides] : middles) cut_at(triangle, sides);
+    // Two sheets with a middle in common were cut along the same edge: once more, each for itself.
+    std::map<std::array<std::uint32_t, 2>, std::vector<std::array<std::uint32_t, 2>>> sides;  // triangle, side
+    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = out_.triangles[t][k], b = out_.triangles[t][(k + 1) % 3];
+        if (std::max(a, b) >= first_middle) sides[{std::min(a, b), std::max(a, b)}].push_back({t, k});
+      }
+    middles.clear();
+    for (auto& [edge, list] : sides) {
+      if (list.size() <= 2) continue;
+      std::stable_sort(list.begin(), list.end(), [&](const auto& a, const auto& b) { return parent_[a[0]] < parent_[b[0]]; });
+      for (std::size_t i = 0; i + 1 < list.size(); ++i) {
+        if (parent_[list[i][0]] != parent_[list[i + 1][0]]) continue;
+        const std::uint32_t middle = add_middle(list[i][0], list[i][1], (list[i][1] + 1) % 3);
+        for (const std::size_t j : {i, i + 1}) at(middles, list[j][0])[list[j][1]] = middle;
+        ++i;
+      }
+    }
+    for (const auto& [triangle, of] : middles) cut_at(triangle, of);
+  }
+
+  using Middles = std::map<std::uint32_t, std::array<std::uint32_t, 3>>;  ///< of triangles: at each side
+
+  static std::array<std::uint32_t, 3>& at(Middles& middles, std::uint32_t triangle) {
+    return middles.try_emplace(triangle, std::array<std::uint32_t, 3>{none, none, none}).first->second;
+  }
+
+  /// A vertex in the middle between two corners of a triangle.
+  std::uint32_t add_middle(std::uint32_t triangle, std::size_t from, std::size_t to) {
+    const GridPoint &a = out_.vertices[out_.triangles[triangle][from]].place, &b = out_.vertices[out_.triangles[triangle][to]].place;
+    GridPoint middle;
+    for (int k = 0; k < 3; ++k) middle[k] = (a[k] + b[k]) / 2;
+    out_.vertices.push_back({none, middle});
+    ++count_middles_;
+    return static_cast<std::uint32_t>(out_.vertices.size()) - 1;
   }
 
   void cut_at(std::uint32_t triangle, const std::array<std::uint32_t, 3>& at) {
@@ -187,6 +220,7 @@ class Builder {
       out_.triangles.push_back(t);
       out_.face.push_back(out_.face[triangle]);
       out_.sheet.push_back(out_.sheet[triangle]);
+      parent_.push_back(parent_[triangle]);
     };
     if (count == 1) {
       put(true, {v[lone], at[lone], v[(lone + 2) % 3]});
@@ -196,7 +230,7 @@ class Builder {
       while (at[k] != none) ++k;
       const std::uint32_t a = v[k], b = v[(k + 1) % 3], c = v[(k + 2) % 3], bc = at[(k + 1) % 3], ca = at[(k + 2) % 3];
       // The same diagonal in both of two sheets, which run opposite ways.
-      if (out_.vertex[a][0] < out_.vertex[b][0]) {
+      if (out_.vertices[a].place < out_.vertices[b].place) {
         put(true, {a, b, bc});
         put(false, {a, bc, ca});
       } else {
@@ -215,7 +249,8 @@ class Builder {
   const SolidBoundaryOptions& options_;
   SolidBoundary out_;
   std::vector<std::uint32_t> at_front_, at_back_;  ///< of faces: the triangle that is met from there
-  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> parent_;  ///< of corners: towards the root of their fan; later of triangles: what they were cut from
+  std::size_t count_middles_ = 0;
   struct Crowded {
     std::uint32_t edge;
     std::vector<std::array<Sheet, 2>> pairs;

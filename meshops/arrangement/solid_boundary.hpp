@@ -23,9 +23,12 @@ struct SolidBoundary {
   /// Of each triangle: 0, or which way it has to move to part from the second sheet that lies upon it: 1 along its normal (a
   /// sheet outside becomes a thin plate), -1 against it (a wall inside becomes a thin gap).
   std::vector<signed char> sheet;
-  /// Of each vertex: the point of the complex, or the middle between two points.
-  std::vector<std::array<std::uint32_t, 2>> vertex;
-  /// Vertices [0, points of the complex) are its points, used or not.
+  struct Vertex {
+    std::uint32_t point;  ///< of the complex, or none (0xffffffff)
+    GridPoint place;
+  };
+  /// Those in [0, points of the complex) are its points, used or not.
+  std::vector<Vertex> vertices;
 
   std::size_t dropped_walls = 0;  ///< faces of the complex that have the same on both sides and did not stay
   std::size_t doubled = 0;        ///< faces that stay as two sheets

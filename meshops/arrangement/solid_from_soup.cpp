@@ -5,16 +5,16 @@
 #include <map>
 #include <unordered_map>
 
+#include "meshops/closest_on_triangle.hpp"
 #include "meshops/closest_triangle.hpp"
 #include "meshops/disjoint_sets.hpp"
-#include "meshops/self_intersections.hpp"
-#include "meshops/side_pairs.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
+constexpr double first_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
 constexpr double plate_share = 0.02;  ///< half the thickness of plates and gaps, of the deviation that is allowed
 
 std::vector<Vec3> used_points(const Soup& soup) {
@@ -51,10 +51,34 @@ std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
   return between;
 }
 
+/// Whether a triangle is nowhere farther than `reach` from others: its pieces are within it of one triangle each, as distance
+/// from a triangle is largest in a corner.
+bool lies_within(const std::array<Vec3, 3>& triangle, const ClosestTriangle& nearest, double reach) {
+  constexpr std::size_t most_pieces = 200;
+  std::vector<std::array<Vec3, 3>> pieces{triangle};
+  std::uint32_t hint = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const auto [a, b, c] = pieces[i];
+    const Vec3 middle = (a + b + c) / 3.0;
+    const ClosestTriangle::Hit hit = nearest.closest(middle, hint);
+    hint = hit.triangle;
+    if (hit.distance > reach) return false;
+    const double radius = std::sqrt(std::max({(a - middle).sqrnorm(), (b - middle).sqrnorm(), (c - middle).sqrnorm()}));
+    if (hit.distance + radius <= reach) continue;
+    const std::array<Vec3, 3>& near = nearest.corners(hit.triangle);
+    const auto within = [&](const Vec3& p) { return (closest_on_triangle(near, p) - p).norm() <= reach; };
+    if (within(a) && within(b) && within(c)) continue;
+    if (pieces.size() + 4 > most_pieces) return false;
+    const Vec3 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
+    pieces.insert(pieces.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+  }
+  return true;
+}
+
 }  // namespace
 
-SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls)
-    : soup_(soup), max_deviation_(max_deviation), keep_walls_(keep_walls), frame_(used_points(soup)) {}
+SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest)
+    : soup_(soup), max_deviation_(max_deviation), keep_walls_(keep_walls), frame_(used_points(soup), finest) {}
 
 void SolidFromSoup::take_triangles(Report& report) {
   std::map<GridPoint, std::uint32_t> numbers;
@@ -72,8 +96,6 @@ void SolidFromSoup::take_triangles(Report& report) {
         if (added) {
           complex_.points.push_back(it->first);
           vertex_of_point_.push_back(v);
-        } else {
-          merged_ = true;
         }
         number[v] = it->second;
       }
@@ -86,21 +108,22 @@ void SolidFromSoup::take_triangles(Report& report) {
     else {
       taken.push_back(t);
       triangle_of_given_.push_back(i);
-      continue;
     }
-    dropped_ = true;
   }
   if (flat > 0) report.figures["triangles without extent dropped"] = flat;
   if (duplicates > 0) report.figures["duplicates dropped"] = duplicates;
   closed_.triangles = std::move(taken);
 }
 
-void SolidFromSoup::run(Report& report, bool tell_progress, Context& context) {
+SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& context) {
   const auto done = [&](double share) {
     if (tell_progress) context.progress("make-solid", share);
   };
   take_triangles(report);
-  if (closed_.triangles.empty()) return;
+  if (closed_.triangles.empty()) {
+    report.figures.clear();  // nothing with an extent to make a solid of: it stays
+    return surface_contacts(soup_.points, soup_.triangles, context);
+  }
   std::vector<Vec3> places;
   for (const GridPoint& p : complex_.points) places.push_back(frame_.to_space(p));
   const std::vector<Triangle> given = std::move(closed_.triangles);
@@ -108,13 +131,9 @@ void SolidFromSoup::run(Report& report, bool tell_progress, Context& context) {
   done(0.1);
   for (std::uint32_t t = 0; t < closed_.triangles.size(); ++t)
     complex_.faces.push_back({closed_.triangles[t], t, 1, t < closed_.given});
-  const CrossingReport crossings = resolve_crossings(complex_, context);
+  const CrossingReport crossings = resolve_crossings(complex_, frame_.steps_in(first_reach_share), context);
   done(0.6);
   const CellLabels labels = label_cells(complex_, context);
-  if (is_solid(crossings, labels, context)) {
-    report.figures.clear();
-    return;
-  }
   report.faces_reversed = closed_.reversed;
   if (closed_.holes > 0) report.figures["holes closed"] = static_cast<double>(closed_.holes);
   if (closed_.inside_out > 0) report.figures["components turned outward"] = static_cast<double>(closed_.inside_out);
@@ -123,23 +142,12 @@ void SolidFromSoup::run(Report& report, bool tell_progress, Context& context) {
     report.figures["rounds of cutting"] = static_cast<double>(crossings.rounds);
     report.figures["faces cut"] = static_cast<double>(crossings.cut);
   }
-  if (crossings.left > 0) report.skipped["pairs that still cross"] = crossings.left;
   const PlacedBoundary boundary = boundary_without_contacts(labels, report, context);
   done(0.9);
-  const std::vector<Vec3> result = places_of(boundary, labels, context);
+  SurfaceContacts contacts;
+  const std::vector<Vec3> result = places_of(boundary, labels, contacts, context);
   write(boundary, result, report);
-}
-
-/// Whether the soup, as it is numbered, is what would come out.
-bool SolidFromSoup::is_solid(const CrossingReport& crossings, const CellLabels& labels, Context& context) const {
-  if (dropped_ || crossings.pairs > 0 || closed_.holes > 0 || closed_.reversed > 0 || closed_.inside_out > 0) return false;
-  for (std::size_t f = 0; f < complex_.faces.size(); ++f)
-    if (complex_.faces[f].net != 1 || labels.inside[f][0] || !labels.inside[f][1]) return false;
-  const SidePairs pairs = pair_sides(soup_.triangles, soup_.points.size(), context);
-  if (!pairs.crowded.empty() || !pairs.same_way.empty()) return false;
-  if (std::ranges::find(pairs.twin, SidePairs::none) != pairs.twin.end()) return false;
-  if (!vertices_with_several_fans(soup_.triangles, soup_.points.size(), pairs.twin).empty()) return false;
-  return self_intersections(soup_.points, soup_.triangles, context).empty() || merged_;
+  return contacts;
 }
 
 /// Walls inside the solid go where they are near to what stays; sheets outside only if the whole of one is.
@@ -168,15 +176,7 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
   for (std::uint32_t i = 0; i < walls.size(); ++i) {
     if (i % 1024 == 0) context.checkpoint();
     const Triangle& v = complex_.faces[walls[i]].v;
-    const Vec3 &a = places[v[0]], &b = places[v[1]], &c = places[v[2]];
-    std::uint32_t hint = 0;
-    for (const Vec3& p : {Vec3((a + b + c) / 3.0), a, b, c, Vec3((a + b) / 2.0), Vec3((b + c) / 2.0), Vec3((c + a) / 2.0)}) {
-      const ClosestTriangle::Hit hit = nearest.closest(p, hint);
-      hint = hit.triangle;
-      if (hit.distance <= reach) continue;
-      far[i] = 1;
-      break;
-    }
+    far[i] = !lies_within({places[v[0]], places[v[1]], places[v[2]]}, nearest, reach);
     if (labels.inside[walls[i]][0]) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t p = v[k], q = v[(k + 1) % 3];
@@ -197,10 +197,11 @@ PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels
   const double height = std::max(1.0, plate_share * max_deviation_ * diagonal(complex_.points));
   constexpr int tries = 6;
   std::size_t contacts = 0;
+  SheetMemory memory;
   for (int i = 0;; ++i) {
     if (i == tries) std::fill(options.keep_walls.begin(), options.keep_walls.end(), 0);
     const SolidBoundary boundary = solid_boundary(complex_, labels, options, context);
-    PlacedBoundary placed = part_sheets(complex_, boundary, height, context);
+    PlacedBoundary placed = part_sheets(complex_, boundary, height, memory, context);
     if (!placed.touching.empty() && i < tries) {
       contacts += placed.touching.size();
       for (const std::uint32_t f : placed.touching) options.keep_walls[f] = 0;
@@ -214,7 +215,8 @@ PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels
 }
 
 /// Parts in which nothing was cut or parted keep their coordinates, unless that makes something cross.
-std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const CellLabels& labels, Context& context) const {
+std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const CellLabels& labels,
+                                           SurfaceContacts& contacts, Context& context) const {
   std::vector<char> touched(complex_.faces.size(), 0);  // of parts
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
     const std::uint32_t face = boundary.face[t];
@@ -231,9 +233,11 @@ std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
     if (touched[labels.part[boundary.face[t]]]) continue;
     for (const std::uint32_t v : boundary.triangles[t])
-      if (boundary.point[v] < vertex_of_point_.size()) restored[v] = soup_.points[vertex_of_point_[boundary.point[v]]];
+      if (boundary.point[v] < vertex_of_point_.size() && !boundary.moved[v]) restored[v] = soup_.points[vertex_of_point_[boundary.point[v]]];
   }
-  if (restored == places || self_intersections(restored, boundary.triangles, context).empty()) return restored;
+  contacts = surface_contacts(restored, boundary.triangles, context);
+  if (contacts.none() || restored == places) return restored;
+  contacts = surface_contacts(places, boundary.triangles, context);
   return places;
 }
 

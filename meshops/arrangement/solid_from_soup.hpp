@@ -10,6 +10,7 @@
 #include "meshops/close_surface.hpp"
 #include "meshops/context.hpp"
 #include "meshops/report.hpp"
+#include "meshops/solid_check.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
@@ -18,18 +19,20 @@ namespace tri {
 class SolidFromSoup {
  public:
   /// @param max_deviation share of the diagonal
-  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls);
+  /// @param finest        as of `GridFrame`
+  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest);
 
-  /// Changes the soup at the end, unless it is a solid already.
-  void run(Report& report, bool tell_progress, Context& context);
+  /// Changes the soup at the end.
+  /// @return what still meets: nothing, but for rounding
+  SurfaceContacts run(Report& report, bool tell_progress, Context& context);
 
  private:
   void take_triangles(Report& report);
-  bool is_solid(const CrossingReport& crossings, const CellLabels& labels, Context& context) const;
   std::vector<char> walls_to_keep(const CellLabels& labels, Context& context) const;
   PlacedBoundary boundary_without_contacts(const CellLabels& labels, Report& report, Context& context);
   void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report);
-  std::vector<Vec3> places_of(const PlacedBoundary& boundary, const CellLabels& labels, Context& context) const;
+  std::vector<Vec3> places_of(const PlacedBoundary& boundary, const CellLabels& labels, SurfaceContacts& contacts,
+                              Context& context) const;
 
   Soup& soup_;
   double max_deviation_;
@@ -39,8 +42,6 @@ class SolidFromSoup {
   std::vector<std::uint32_t> vertex_of_point_;    ///< of the complex's points: the soup's
   std::vector<std::uint32_t> triangle_of_given_;  ///< of the triangles handed to `close_surface`: the soup's
   ClosedSurface closed_;
-  bool dropped_ = false;  ///< a triangle of the soup was not handed on
-  bool merged_ = false;   ///< a triangle of the soup has not got its own vertices
 };
 
 }  // namespace tri

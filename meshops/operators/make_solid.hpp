@@ -14,6 +14,9 @@ struct MakeSolidOptions {
   /// What lies inside the solid and farther away than that stays as the two sides of a gap, and a sheet outside as a plate,
   /// both thinner than max_deviation; else it goes.
   bool keep_walls = true;
+  /// All vertices get coordinates that single precision holds, and what touches is parted by more than its steps wherever that
+  /// can be, so that the result is still a solid after it was written as STL and read again.
+  bool single_precision = false;
 
   static const OptionSchema& schema();
 };
