@@ -2,6 +2,7 @@
 #include "meshops/operators/compact.hpp"
 #include "meshops/operators/decimate.hpp"
 #include "meshops/operators/extract_boundaries.hpp"
+#include "meshops/operators/fair.hpp"
 #include "meshops/operators/fill_holes.hpp"
 #include "meshops/operators/flip_diagonals.hpp"
 #include "meshops/operators/make_solid.hpp"
@@ -32,6 +33,7 @@ void register_operators(Registry& registry) {
   registry.add("decimate", decimate, "Fewer triangles for the same shape: collapses edges in order of their quadric error",
                {.leaves_good_mesh = false, .idempotent = false});
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
+  registry.add("fair", fair, "Moves chosen vertices to the fairest surface between those that stay");
   registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
   registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");
   registry.add("make-solid", make_solid,

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "meshops/context.hpp"
+#include "meshops/fairing.hpp"
+#include "meshops/mesh_view.hpp"
+#include "meshops/options.hpp"
+#include "meshops/report.hpp"
+
+namespace tri {
+
+struct FairOptions {
+  Continuity continuity = Continuity::tangent;
+  FairingWeights weights = FairingWeights::cotangent;
+  /// Vertex property (int): vertices with a value above 0 move. Empty: the vertices that are selected (OpenMesh's status
+  /// bit) move.
+  std::string region;
+  /// Move if not empty, whatever `region` and the selection say. C++ only.
+  std::span<const VertexHandle> vertices = {};
+
+  static const OptionSchema& schema();
+};
+
+/// Moves chosen vertices to where the surface through them is fairest, while all others stay: least area, least
+/// thin-plate energy or least variation of curvature (`faired_points`).
+///
+/// Links, handles and the number of elements stay. Vertices that cannot move are counted in `skipped`: "boundary
+/// vertex", "isolated vertex", "no neighbour stays" (a whole component was chosen). Where cotangent weights fail, since a
+/// triangle has no area or the system is singular, uniform weights take their place, with a note; if those fail as well
+/// nothing moves, and the vertices are in `skipped` by the reason's name. Figure: "largest distance" (model units).
+/// On cancel the mesh is untouched; the decomposition (0.2 s for 20,000 vertices) is not interrupted.
+/// @throws InvalidInput if `region` names no int property, or a handle of `vertices` is invalid or deleted; the mesh is
+/// untouched.
+Report fair(MeshView mesh, const FairOptions& options, Context& context);
+
+}  // namespace tri
