@@ -17,6 +17,7 @@
 #include "meshops/operators/split_non_manifold.hpp"
 #include "meshops/operators/stitch_boundaries.hpp"
 #include "meshops/operators/stitch_contours.hpp"
+#include "meshops/operators/subdivide.hpp"
 #include "meshops/operators/thin.hpp"
 #include "meshops/operators/weld.hpp"
 #include "meshops/registry.hpp"
@@ -53,6 +54,8 @@ void register_operators(Registry& registry) {
   registry.add("stitch-boundaries", stitch_boundaries, "Joins boundary edges that coincide or face each other across a gap");
   registry.add("stitch-contours", stitch_contours, "Joins boundary contours that face each other by strips of triangles",
                {.idempotent = false});
+  registry.add("subdivide", subdivide, "Makes four triangles of each, smoothly or on the same surface",
+               {.leaves_good_mesh = false, .idempotent = false});
   registry.add("thin", thin, "Keeps one measured point in each voxel of a grid");
   registry.add("weld", weld, "Makes vertices that lie together one, where that joins edges");
 }

@@ -1,0 +1,274 @@
+#include "meshops/operators/subdivide.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "meshops/error.hpp"
+#include "meshops/features.hpp"
+#include "meshops/for_each_block.hpp"
+#include "meshops/mesh_edit.hpp"
+#include "meshops/vertex_rows.hpp"
+
+namespace tri {
+namespace {
+
+constexpr std::size_t block_size = 4096;
+constexpr double most_faces = 5e8;  ///< then half-edges still have an index
+
+template <class Handle>
+std::size_t index(Handle h) {
+  return static_cast<std::size_t>(h.idx());
+}
+
+bool is_finite(const Vec3& p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/// What a neighbour counts around a smooth vertex of n neighbours, which itself has the rest.
+double loop_weight(int n) {
+  const double c = 3.0 / 8 + std::cos(2 * std::numbers::pi / n) / 4;
+  return (5.0 / 8 - c * c) / n;
+}
+
+class Subdivider {
+ public:
+  Subdivider(MeshView view, const SubdivideOptions& options, Context& context)
+      : view_(view), mesh_(view.mesh), options_(options), context_(context) {}
+
+  Report run() {
+    context_.checkpoint();
+    check_size();
+    if (options_.scheme == SubdivisionScheme::loop)
+      features_ =
+          find_features(view_, {.angle = options_.feature_angle, .corner_angle = options_.corner_angle}, context_);
+    old_vertices_ = mesh_.n_vertices();
+    const std::size_t old_faces = mesh_.n_faces();
+    face_touched_.assign(old_faces, 0);
+    vertex_touched_.assign(old_vertices_, 0);
+    // Four times as much from level to level.
+    double done = 0, all = 0;
+    for (int level = 0; level < options_.levels; ++level) all += std::pow(4.0, level);
+    for (int level = 0; level < options_.levels; ++level) {
+      const double share = std::pow(4.0, level) / all;
+      progress_begin_ = done;
+      progress_share_ = share;
+      refine();
+      done += share;
+    }
+    context_.progress("subdivide", 1);
+    report_.vertices_added = mesh_.n_vertices() - old_vertices_;
+    report_.faces_added = mesh_.n_faces() - old_faces;
+    list(vertex_touched_, mesh_.n_vertices(), report_.touched_vertices);
+    list(face_touched_, mesh_.n_faces(), report_.touched_faces);
+    report_.vertices_moved = report_.touched_vertices.size() - report_.vertices_added;
+    return std::move(report_);
+  }
+
+ private:
+  void check_size() const {
+    const double faces = static_cast<double>(mesh_.n_faces()) * std::pow(4.0, options_.levels);
+    if (faces > most_faces)
+      throw InvalidInput(
+          fmt::format("option levels = {} is not allowed; this mesh would get {:.3g} faces, and {:.3g} are allowed",
+                      options_.levels, faces, most_faces));
+  }
+
+  void refine() {
+    choose_edges();
+    edge_points_.resize(splits_.size());
+    for_each_block(context_, "", splits_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (splits_[i]) edge_points_[i] = edge_point(EdgeHandle(static_cast<int>(i)));
+    });
+    vertex_points_.resize(mesh_.n_vertices());
+    for_each_block(context_, "", vertex_points_.size(), block_size,
+                   [&](std::size_t, std::size_t begin, std::size_t end) {
+                     for (std::size_t i = begin; i < end; ++i)
+                       vertex_points_[i] = vertex_point(VertexHandle(static_cast<int>(i)));
+                   });
+    split_edges();
+    turn_inner_edges();
+    place_points();
+  }
+
+  void choose_edges() {
+    splits_.assign(mesh_.n_edges(), 0);
+    std::vector<std::size_t> refused((splits_.size() + block_size - 1) / block_size, 0);
+    for_each_block(context_, "", splits_.size(), block_size,
+                   [&](std::size_t block, std::size_t begin, std::size_t end) {
+                     for (std::size_t i = begin; i < end; ++i) {
+                       const EdgeHandle e(static_cast<int>(i));
+                       if (mesh_.status(e).deleted() || !view_.may_change(e)) continue;
+                       const bool possible = mesh_.is_boundary(e) || far_corner(e, 0) != far_corner(e, 1);
+                       splits_[i] = possible;
+                       refused[block] += !possible;
+                     }
+                   });
+    if (const auto count = std::accumulate(refused.begin(), refused.end(), std::uint64_t{0}))
+      report_.skipped["edges of triangles back to back"] = count;
+  }
+
+  VertexHandle far_corner(EdgeHandle e, unsigned side) const {
+    return mesh_.to_vertex_handle(mesh_.next_halfedge_handle(mesh_.halfedge_handle(e, side)));
+  }
+
+  Vec3 edge_point(EdgeHandle e) const {
+    const HalfedgeHandle left = mesh_.halfedge_handle(e, 0), right = mesh_.halfedge_handle(e, 1);
+    const Vec3 ends = view_.point(mesh_.to_vertex_handle(left)) + view_.point(mesh_.to_vertex_handle(right));
+    if (options_.scheme == SubdivisionScheme::midpoint || features_.is_feature(e)) return ends / 2;
+    const Vec3 beyond = view_.point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(left))) +
+                        view_.point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(right)));
+    const Vec3 result = ends * (3.0 / 8) + beyond / 8;
+    return is_finite(result) ? result : ends / 2;
+  }
+
+  Vec3 vertex_point(VertexHandle v) const {
+    const Vec3& old = view_.point(v);
+    if (options_.scheme == SubdivisionScheme::midpoint || mesh_.status(v).deleted() || mesh_.is_isolated(v) ||
+        !view_.may_move(v) || features_[v] == VertexClass::corner)
+      return old;
+    const bool on_line = features_[v] == VertexClass::crease || features_[v] == VertexClass::boundary;
+    Vec3 sum(0, 0, 0);
+    int n = 0;
+    bool all_split = true;
+    for_each_outgoing(mesh_, v, [&](HalfedgeHandle h) {
+      const EdgeHandle e = mesh_.edge_handle(h);
+      all_split = all_split && splits_[index(e)];
+      if (on_line && !features_.is_feature(e)) return;
+      sum += view_.point(mesh_.to_vertex_handle(h)) - old;
+      ++n;
+    });
+    if (!all_split) return old;
+    const Vec3 result = old + sum * (on_line ? 1.0 / 8 : loop_weight(n));
+    return is_finite(result) ? result : old;
+  }
+
+  /// Every chosen edge, in its middle, so that the surface stays what it is.
+  void split_edges() {
+    const std::size_t chosen = static_cast<std::size_t>(std::count(splits_.begin(), splits_.end(), 1));
+    mesh_.reserve(mesh_.n_vertices() + chosen, mesh_.n_edges() + 3 * chosen, mesh_.n_faces() + 2 * chosen);
+    first_new_vertex_ = mesh_.n_vertices();
+    first_new_edge_ = mesh_.n_edges();
+    inner_.clear();
+    new_points_.clear();
+    const bool classes = options_.scheme != SubdivisionScheme::midpoint;
+    for (std::size_t i = 0; i < splits_.size(); ++i) {
+      if (i % 1024 == 0) {
+        context_.checkpoint();
+        context_.progress("subdivide", progress_begin_ + progress_share_ * 0.7 * static_cast<double>(i) /
+                                                             static_cast<double>(splits_.size()));
+      }
+      if (!splits_[i]) continue;
+      const EdgeHandle e(static_cast<int>(i));
+      const std::size_t half = mesh_.n_edges();
+      const VertexHandle a = mesh_.to_vertex_handle(mesh_.halfedge_handle(e, 1)),
+                         b = mesh_.to_vertex_handle(mesh_.halfedge_handle(e, 0));
+      for (const unsigned side : {0u, 1u}) touch(mesh_.face_handle(mesh_.halfedge_handle(e, side)));
+      split_edge(view_, e, (view_.point(a) + view_.point(b)) / 2, 0.5);
+      new_points_.push_back(edge_points_[i]);
+      inner_.resize(mesh_.n_edges() - first_new_edge_, 1);
+      inner_[half - first_new_edge_] = 0;
+      if (!classes) continue;
+      const EdgeClass c = features_.edges[i];
+      features_.edges.resize(mesh_.n_edges(), EdgeClass::smooth);
+      features_.edges[half] = c;
+      features_.vertices.push_back(c == EdgeClass::crease     ? VertexClass::crease
+                                   : c == EdgeClass::boundary ? VertexClass::boundary
+                                                              : VertexClass::smooth);
+    }
+  }
+
+  void touch(FaceHandle f) {
+    if (f.is_valid() && index(f) < face_touched_.size()) face_touched_[index(f)] = 1;
+  }
+
+  /// A triangle whose three edges were split has its four pieces when the inner edge between a new and an old vertex
+  /// joins the two other new ones.
+  void turn_inner_edges() {
+    const auto is_new = [&](VertexHandle v) { return index(v) >= first_new_vertex_; };
+    for (std::size_t i = 0; i < inner_.size(); ++i) {
+      if (i % 1024 == 0) {
+        context_.checkpoint();
+        context_.progress("subdivide",
+                          progress_begin_ + progress_share_ * (0.7 + 0.2 * static_cast<double>(i) /
+                                                                         static_cast<double>(inner_.size())));
+      }
+      if (!inner_[i]) continue;
+      const EdgeHandle e(static_cast<int>(first_new_edge_ + i));
+      const HalfedgeHandle left = mesh_.halfedge_handle(e, 0), right = mesh_.halfedge_handle(e, 1);
+      if (is_new(mesh_.to_vertex_handle(left)) == is_new(mesh_.to_vertex_handle(right))) continue;
+      if (!is_new(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(left))) ||
+          !is_new(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(right))))
+        continue;
+      // Only triangles back to back could have the edge already.
+      if (mesh_.is_flip_ok(e)) flip_edge(view_, e);
+    }
+  }
+
+  void place_points() {
+    context_.checkpoint();
+    for (std::size_t i = 0; i < new_points_.size(); ++i) {
+      const VertexHandle v(static_cast<int>(first_new_vertex_ + i));
+      if (view_.point(v) != new_points_[i]) set_point(view_, v, new_points_[i]);
+    }
+    for (std::size_t i = 0; i < first_new_vertex_; ++i) {
+      const VertexHandle v(static_cast<int>(i));
+      if (!is_finite(vertex_points_[i]) || view_.point(v) == vertex_points_[i]) continue;
+      set_point(view_, v, vertex_points_[i]);
+      if (i < old_vertices_) vertex_touched_[i] = 1;
+    }
+  }
+
+  /// Those that were there and are marked, and all that were not.
+  static void list(const std::vector<char>& marked, std::size_t count, std::vector<std::uint32_t>& result) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (i >= marked.size() || marked[i]) result.push_back(static_cast<std::uint32_t>(i));
+  }
+
+  MeshView view_;
+  OpenMesh::TriConnectivity& mesh_;
+  const SubdivideOptions& options_;
+  Context& context_;
+  Report report_;
+  Features features_;  ///< of the level; empty for `midpoint`
+  std::size_t old_vertices_ = 0;
+  double progress_begin_ = 0, progress_share_ = 0;
+  std::vector<char> face_touched_, vertex_touched_;  ///< of those that were there before the first level
+  // Of the level:
+  std::vector<char> splits_;         ///< per edge
+  std::vector<Vec3> edge_points_;    ///< where the new vertex of an edge goes
+  std::vector<Vec3> vertex_points_;  ///< where a vertex goes
+  std::size_t first_new_vertex_ = 0, first_new_edge_ = 0;
+  std::vector<Vec3> new_points_;  ///< where the new vertices go
+  std::vector<char> inner_;       ///< per new edge: lies inside a triangle of the level before
+};
+
+}  // namespace
+
+const OptionSchema& SubdivideOptions::schema() {
+  using O = SubdivideOptions;
+  static const OptionSchema schema =
+      Schema<O>()
+          .choice("scheme", &O::scheme, {{"loop", SubdivisionScheme::loop}, {"midpoint", SubdivisionScheme::midpoint}},
+                  {.help = "loop smooths, midpoint keeps the surface"})
+          .integer("levels", &O::levels, {.min = 1, .max = 12, .help = "how often; each makes four triangles of one"})
+          .angle(
+              "feature-angle", &O::feature_angle,
+              {.min = 0, .max = 180, .help = "loop: edges with a larger angle between normals stay sharp; 180: none"})
+          .angle(
+              "corner-angle", &O::corner_angle,
+              {.min = 0, .max = 180, .help = "loop: where a crease or boundary turns by more is a corner; 180: none"});
+  return schema;
+}
+
+Report subdivide(MeshView mesh, const SubdivideOptions& options, Context& context) {
+  validate(options);
+  return Subdivider(mesh, options, context).run();
+}
+
+}  // namespace tri

@@ -1,0 +1,266 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "meshops/error.hpp"
+#include "meshops/operators/subdivide.hpp"
+#include "test_shapes.hpp"
+
+using namespace tri;
+using namespace tri::test;
+
+namespace {
+
+constexpr SubdivisionScheme schemes[] = {SubdivisionScheme::loop, SubdivisionScheme::midpoint};
+
+Report run(Mesh& mesh, const SubdivideOptions& options = {}) {
+  Context context;
+  const Report report = subdivide(view_of(mesh), options, context);
+  CHECK_VALID_MESH(mesh);
+  return report;
+}
+
+std::size_t edges(const Mesh& mesh) {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto e : mesh.edges()) ++count;
+  return count;
+}
+
+Mesh tetrahedron() {
+  return make_mesh({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}});
+}
+
+Mesh box() {
+  return make_mesh({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2}, {0, 2, 2}},
+                   {{0, 2, 1},
+                    {0, 3, 2},
+                    {4, 5, 6},
+                    {4, 6, 7},
+                    {0, 1, 5},
+                    {0, 5, 4},
+                    {1, 2, 6},
+                    {1, 6, 5},
+                    {2, 3, 7},
+                    {2, 7, 6},
+                    {3, 0, 4},
+                    {3, 4, 7}});
+}
+
+}  // namespace
+
+TEST_CASE("subdivide: makes four faces of one and a vertex on each edge; topology stays, closed stays closed") {
+  for (const SubdivisionScheme scheme : schemes)
+    for (const Mesh& input : {icosahedron(), tetrahedron(), grid(4, 3), tube(7, 3, 1, 0, 2).mesh(), two_components()}) {
+      Mesh mesh = input;
+      const int loops = boundary_loops(mesh), euler = euler_characteristic(mesh);
+      for (const int levels : {1, 2}) {
+        const std::size_t v = mesh.n_vertices(), e = edges(mesh), f = mesh.n_faces();
+        std::size_t boundary = 0;
+        for (const EdgeHandle edge : mesh.edges()) boundary += mesh.is_boundary(edge);
+        const Report report = run(mesh, {.scheme = scheme, .levels = levels});
+        const auto power = static_cast<std::size_t>(1) << (2 * levels), half = static_cast<std::size_t>(1) << levels;
+        CHECK(mesh.n_faces() == power * f);
+        CHECK(report.faces_added == (power - 1) * f);
+        CHECK(report.touched_faces.size() == power * f);
+        // Twice the edges of the level before and three inside of each of its faces; V follows from Euler.
+        CHECK(edges(mesh) == (3 * power * f + half * boundary) / 2);
+        CHECK(mesh.n_vertices() == v + edges(mesh) - e - (power - 1) * f);
+        CHECK(report.vertices_added == mesh.n_vertices() - v);
+        CHECK(boundary_loops(mesh) == loops);
+        CHECK(euler_characteristic(mesh) == euler);
+      }
+    }
+}
+
+TEST_CASE("subdivide: every new vertex inside a regular mesh has six neighbours") {
+  Mesh mesh = icosahedron();
+  run(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 3});
+  for (const VertexHandle v : mesh.vertices()) CHECK(mesh.valence(v) == (v.idx() < 12 ? 5u : 6u));
+}
+
+TEST_CASE("subdivide midpoint: keeps the surface exactly") {
+  for (const Mesh& input : {icosahedron(), bumpy_grid(5, 4), box()}) {
+    Mesh mesh = input;
+    const double area = mesh_area(view_of(mesh)), volume = mesh_volume(view_of(mesh));
+    const Report report = run(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 2});
+    CHECK(report.vertices_moved == 0);
+    CHECK(mesh_area(view_of(mesh)) == doctest::Approx(area).epsilon(1e-12));
+    CHECK(mesh_volume(view_of(mesh)) == doctest::Approx(volume).epsilon(1e-12));
+    for (std::size_t i = 0; i < input.n_vertices(); ++i) {
+      const VertexHandle v(static_cast<int>(i));
+      CHECK(mesh.point(v) == input.point(v));
+    }
+    // Four equal pieces: each has an area of a sixteenth of one of the faces.
+    std::vector<double> old_areas, new_areas;
+    for (const FaceHandle f : input.faces())
+      for (int k = 0; k < 16; ++k) old_areas.push_back(input.calc_face_area(f) / 16);
+    for (const FaceHandle f : mesh.faces()) new_areas.push_back(mesh.calc_face_area(f));
+    std::ranges::sort(old_areas);
+    std::ranges::sort(new_areas);
+    for (std::size_t i = 0; i < old_areas.size(); ++i) CHECK(new_areas[i] == doctest::Approx(old_areas[i]));
+  }
+}
+
+TEST_CASE("subdivide loop: reproduces linear functions on a regular grid, its corners and rim included") {
+  Mesh mesh = grid(6, 5);
+  const auto height = [](const Vec3& p) { return 2 * p[0] - 3 * p[1] + 0.5; };
+  for (const VertexHandle v : mesh.vertices()) mesh.point(v)[2] = height(mesh.point(v));
+  const Mesh before = mesh;
+  run(mesh, {.levels = 3, .corner_angle = 20 * pi / 180});
+  for (const VertexHandle v : mesh.vertices()) {
+    CHECK(mesh.point(v)[2] == doctest::Approx(height(mesh.point(v))));
+    // In the plane as well: vertices end on the lines of the finest grid, 1/8 apart.
+    for (int k = 0; k < 2; ++k) CHECK(8 * mesh.point(v)[k] == doctest::Approx(std::round(8 * mesh.point(v)[k])));
+  }
+  for (const VertexHandle v : before.vertices()) CHECK((mesh.point(v) - before.point(v)).norm() < 1e-12);
+}
+
+TEST_CASE("subdivide loop: converges to the known limit of smooth, crease and corner vertices") {
+  // Around a smooth vertex of n neighbours the limit is (1 - n c) v + c sum of neighbours, 1 / c = n + 3 / (8 w).
+  for (const int n : {3, 4, 5, 6, 7, 12}) {
+    std::vector<Vec3> points{{0, 0, 1}};
+    std::vector<std::array<int, 3>> triangles;
+    for (int ring = 1; ring <= 3; ++ring)
+      for (int i = 0; i < n; ++i) {
+        const double angle = 2 * pi * i / n;
+        points.emplace_back(ring * std::cos(angle), ring * std::sin(angle), 0.1 * ring * i);
+      }
+    for (int i = 0; i < n; ++i) {
+      const int j = (i + 1) % n;
+      triangles.push_back({0, 1 + i, 1 + j});
+      for (int ring = 0; ring < 2; ++ring) {
+        const int a = 1 + ring * n + i, b = 1 + ring * n + j;
+        triangles.push_back({a, a + n, b + n});
+        triangles.push_back({a, b + n, b});
+      }
+    }
+    const double x = 3.0 / 8 + std::cos(2 * pi / n) / 4;
+    const double w = (5.0 / 8 - x * x) / n, c = 1 / (n + 3 / (8 * w));
+    Vec3 limit = points[0] * (1 - n * c);
+    for (int i = 1; i <= n; ++i) limit += points[static_cast<std::size_t>(i)] * c;
+    Mesh mesh = make_mesh(points, triangles);
+    run(mesh, {.levels = 6, .feature_angle = pi});
+    CHECK((mesh.point(VertexHandle(0)) - limit).norm() < 2e-3);
+  }
+  // A crease and a boundary are cubic B-splines: 2/3 and 1/6.
+  Mesh strip = grid(4, 2);
+  for (const VertexHandle v : strip.vertices()) strip.point(v)[2] = v.idx() == 2 || v.idx() == 7 ? 0.5 : 0;
+  run(strip, {.levels = 6, .feature_angle = pi, .corner_angle = 80 * pi / 180});
+  CHECK(strip.point(VertexHandle(2))[2] == doctest::Approx(1.0 / 3).epsilon(1e-3));
+  CHECK(strip.point(VertexHandle(0)) == Vec3(0, 0, 0));
+}
+
+TEST_CASE(
+    "subdivide loop: a box keeps its corners, edges and volume, however often; without features it becomes round") {
+  Mesh sharp = box(), round = box();
+  run(sharp, {.levels = 3});
+  CHECK(mesh_volume(view_of(sharp)) == doctest::Approx(8));
+  CHECK(mesh_area(view_of(sharp)) == doctest::Approx(24));
+  for (int i = 0; i < 8; ++i) CHECK(sharp.point(VertexHandle(i)) == box().point(VertexHandle(i)));
+  run(round, {.levels = 3, .feature_angle = pi});
+  CHECK(mesh_volume(view_of(round)) < 5);
+  double largest = 0;
+  for (const EdgeHandle e : round.edges()) largest = std::max(largest, std::abs(round.calc_dihedral_angle(e)));
+  CHECK(largest < 0.6);
+}
+
+TEST_CASE("subdivide loop: a crease is handed down, also where its angle falls") {
+  // A fold of 62 degrees along a curved ridge; smoothing lowers angles, but the ridge stays a line of sharp edges.
+  PatchShape s;
+  s.nu = 2;
+  s.nv = 8;
+  s.point = [](int i, int j) { return Vec3(i - 1, j, (i == 1 ? 0.62 : 0.0) + 0.02 * j * j); };
+  Mesh mesh = s.mesh();
+  run(mesh, {.levels = 3});
+  int sharp = 0;
+  for (const EdgeHandle e : mesh.edges()) sharp += !mesh.is_boundary(e) && std::abs(mesh.calc_dihedral_angle(e)) > 0.9;
+  CHECK(sharp == 8 * 8);
+}
+
+TEST_CASE("subdivide: properties of new elements come from what they are made of") {
+  Mesh mesh = grid(3, 3);
+  OpenMesh::VPropHandleT<double> temperature;
+  OpenMesh::FPropHandleT<int> group;
+  mesh.add_property(temperature, "v:temperature");
+  mesh.add_property(group, "f:group");
+  for (const VertexHandle v : mesh.vertices()) mesh.property(temperature, v) = mesh.point(v)[0] + 10 * mesh.point(v)[1];
+  for (const FaceHandle f : mesh.faces()) mesh.property(group, f) = f.idx() / 2;
+  run(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 2});
+  for (const VertexHandle v : mesh.vertices())
+    CHECK(mesh.property(temperature, v) == doctest::Approx(mesh.point(v)[0] + 10 * mesh.point(v)[1]));
+  for (const FaceHandle f : mesh.faces()) {
+    const Vec3 centre = mesh.calc_face_centroid(f);
+    CHECK(mesh.property(group, f) == static_cast<int>(centre[0]) + 3 * static_cast<int>(centre[1]));
+  }
+}
+
+TEST_CASE("subdivide: within a selection, the rest stays and fits on") {
+  for (const SubdivisionScheme scheme : schemes) {
+    Mesh mesh = bumpy_grid(8, 8);
+    const Mesh before = mesh;
+    std::vector<FaceHandle> faces;
+    for (const FaceHandle f : mesh.faces())
+      if (mesh.calc_face_centroid(f)[0] > 3) faces.push_back(f);
+    const Selection part = Selection::of_faces(mesh, faces);
+    Context context;
+    const Report report = subdivide(view_of(mesh).with(part), {.scheme = scheme, .levels = 2}, context);
+    CHECK_VALID_MESH(mesh);
+    CHECK(report.faces_added > 4 * faces.size());
+    CHECK(boundary_loops(mesh) == 1);
+    for (const FaceHandle f : before.faces())
+      if (!part.may_replace(f)) CHECK(std::ranges::equal(mesh.fv_range(f), before.fv_range(f)));
+    for (const VertexHandle v : before.vertices())
+      if (!part.may_move(v)) CHECK(mesh.point(v) == before.point(v));
+  }
+}
+
+TEST_CASE("subdivide: cancelled, the surface is that of the last whole level") {
+  Mesh start = bumpy_grid(40, 40);
+  const double area = mesh_area(view_of(start));
+  Mesh once = start;
+  run(once);
+  const double area_once = mesh_area(view_of(once));
+  int cancelled = 0;
+  for (int stop = 1; stop < 60; stop += 4) {
+    Mesh mesh = start;
+    Context context;
+    context.threads = 1;
+    int seen = 0;
+    context.on_checkpoint = [&] {
+      if (++seen == stop) context.cancel();
+    };
+    try {
+      subdivide(view_of(mesh), {.levels = 2}, context);
+    } catch (const Cancelled&) {
+      ++cancelled;
+      CHECK_VALID_MESH(mesh);
+      const double now = mesh_area(view_of(mesh));
+      CHECK((now == doctest::Approx(area).epsilon(1e-12) || now == doctest::Approx(area_once).epsilon(1e-12)));
+    }
+  }
+  CHECK(cancelled > 10);
+}
+
+TEST_CASE("subdivide: two triangles back to back, and points that are not finite") {
+  Mesh pillow = make_mesh({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 2, 1}});
+  const Report report = run(pillow);
+  CHECK(report.unchanged());
+  CHECK(report.skipped.at("edges of triangles back to back") == 3);
+  Mesh mesh = bumpy_grid(6, 6);
+  mesh.point(VertexHandle(24))[1] = std::nan("");
+  run(mesh);
+  for (const VertexHandle v : mesh.vertices()) {
+    if (v.idx() == 24 || (v.idx() >= 49 && std::isnan(mesh.point(v)[1]))) continue;
+    for (int k = 0; k < 3; ++k) CHECK(std::isfinite(mesh.point(v)[k]));
+  }
+}
+
+TEST_CASE("subdivide: refuses what would not fit, the mesh untouched") {
+  Mesh mesh = grid(20, 20);
+  const Snapshot before = snapshot(view_of(mesh));
+  Context context;
+  CHECK_THROWS_AS(subdivide(view_of(mesh), {.levels = 10}, context), InvalidInput);
+  CHECK(snapshot(view_of(mesh)) == before);
+}
