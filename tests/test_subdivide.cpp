@@ -13,7 +13,8 @@ using namespace tri::test;
 
 namespace {
 
-constexpr SubdivisionScheme schemes[] = {SubdivisionScheme::loop, SubdivisionScheme::midpoint};
+constexpr SubdivisionScheme schemes[] = {SubdivisionScheme::loop, SubdivisionScheme::butterfly,
+                                         SubdivisionScheme::midpoint};
 
 Report run(Mesh& mesh, const SubdivideOptions& options = {}) {
   Context context;
@@ -177,6 +178,53 @@ TEST_CASE("subdivide loop: a crease is handed down, also where its angle falls")
   int sharp = 0;
   for (const EdgeHandle e : mesh.edges()) sharp += !mesh.is_boundary(e) && std::abs(mesh.calc_dihedral_angle(e)) > 0.9;
   CHECK(sharp == 8 * 8);
+}
+
+TEST_CASE("subdivide butterfly: keeps every vertex, and cubic polynomials on a regular mesh") {
+  Mesh mesh = grid(12, 12);
+  const auto height = [](double x, double y) {
+    return 0.01 * (x * x * x - 2 * x * x * y + x * y * y + 3 * y * y * y - x * y);
+  };
+  for (const VertexHandle v : mesh.vertices()) mesh.point(v)[2] = height(mesh.point(v)[0], mesh.point(v)[1]);
+  const Mesh before = mesh;
+  run(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 2, .feature_angle = pi, .corner_angle = pi});
+  for (const VertexHandle v : before.vertices()) CHECK(mesh.point(v) == before.point(v));
+  int inside = 0;
+  for (const VertexHandle v : mesh.vertices()) {
+    const Vec3& p = mesh.point(v);
+    if (p[0] < 3 || p[0] > 9 || p[1] < 3 || p[1] > 9) continue;
+    ++inside;
+    CHECK(p[2] == doctest::Approx(height(p[0], p[1])).epsilon(1e-10));
+  }
+  CHECK(inside == 25 * 25);
+}
+
+TEST_CASE("subdivide butterfly: linear functions everywhere, straight and cubic rims, corners") {
+  Mesh mesh = grid(7, 6);
+  for (const VertexHandle v : mesh.vertices()) mesh.point(v)[2] = mesh.point(v)[0] - 2 * mesh.point(v)[1];
+  run(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 3, .corner_angle = 20 * pi / 180});
+  for (const VertexHandle v : mesh.vertices())
+    CHECK(mesh.point(v)[2] == doctest::Approx(mesh.point(v)[0] - 2 * mesh.point(v)[1]));
+  double area = 0;  // no corner is cut, no rim bent
+  for (const FaceHandle f : mesh.faces()) area += mesh.calc_face_area(f);
+  CHECK(area == doctest::Approx(42 * std::sqrt(6.0)));
+  Mesh rim = grid(8, 2);
+  for (const VertexHandle v : rim.vertices()) rim.point(v)[2] = 0.01 * std::pow(rim.point(v)[0], 3);
+  run(rim, {.scheme = SubdivisionScheme::butterfly, .feature_angle = pi});
+  for (const VertexHandle v : rim.vertices()) {
+    const Vec3& p = rim.point(v);
+    if (p[1] == 0 && p[0] > 1 && p[0] < 7) CHECK(p[2] == doctest::Approx(0.01 * std::pow(p[0], 3)));
+  }
+}
+
+TEST_CASE("subdivide butterfly: an icosahedron swells towards its sphere") {
+  Mesh mesh = icosahedron();
+  const double radius = mesh.point(VertexHandle(0)).norm();
+  run(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 4, .feature_angle = pi});
+  const double ball = 4 * pi / 3 * std::pow(radius, 3);
+  CHECK(mesh_volume(view_of(mesh)) > 0.9 * ball);
+  CHECK(mesh_volume(view_of(mesh)) < 1.1 * ball);
+  for (const VertexHandle v : mesh.vertices()) CHECK(mesh.point(v).norm() == doctest::Approx(radius).epsilon(0.06));
 }
 
 TEST_CASE("subdivide: properties of new elements come from what they are made of") {

@@ -12,6 +12,7 @@
 #include "meshops/features.hpp"
 #include "meshops/for_each_block.hpp"
 #include "meshops/mesh_edit.hpp"
+#include "meshops/subdivision_stencils.hpp"
 #include "meshops/vertex_rows.hpp"
 
 namespace tri {
@@ -29,12 +30,6 @@ bool is_finite(const Vec3& p) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-/// What a neighbour counts around a smooth vertex of n neighbours, which itself has the rest.
-double loop_weight(int n) {
-  const double c = 3.0 / 8 + std::cos(2 * std::numbers::pi / n) / 4;
-  return (5.0 / 8 - c * c) / n;
-}
-
 class Subdivider {
  public:
   Subdivider(MeshView view, const SubdivideOptions& options, Context& context)
@@ -43,7 +38,7 @@ class Subdivider {
   Report run() {
     context_.checkpoint();
     check_size();
-    if (options_.scheme == SubdivisionScheme::loop)
+    if (options_.scheme != SubdivisionScheme::midpoint)
       features_ =
           find_features(view_, {.angle = options_.feature_angle, .corner_angle = options_.corner_angle}, context_);
     old_vertices_ = mesh_.n_vertices();
@@ -118,33 +113,25 @@ class Subdivider {
   }
 
   Vec3 edge_point(EdgeHandle e) const {
-    const HalfedgeHandle left = mesh_.halfedge_handle(e, 0), right = mesh_.halfedge_handle(e, 1);
-    const Vec3 ends = view_.point(mesh_.to_vertex_handle(left)) + view_.point(mesh_.to_vertex_handle(right));
-    if (options_.scheme == SubdivisionScheme::midpoint || features_.is_feature(e)) return ends / 2;
-    const Vec3 beyond = view_.point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(left))) +
-                        view_.point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(right)));
-    const Vec3 result = ends * (3.0 / 8) + beyond / 8;
-    return is_finite(result) ? result : ends / 2;
+    const Vec3 middle = (view_.point(mesh_.to_vertex_handle(mesh_.halfedge_handle(e, 0))) +
+                         view_.point(mesh_.to_vertex_handle(mesh_.halfedge_handle(e, 1)))) /
+                        2;
+    if (options_.scheme == SubdivisionScheme::midpoint) return middle;
+    const Vec3 result = options_.scheme == SubdivisionScheme::loop ? loop_edge_point(view_, features_, e)
+                                                                   : butterfly_edge_point(view_, features_, e);
+    return is_finite(result) ? result : middle;
   }
 
   Vec3 vertex_point(VertexHandle v) const {
     const Vec3& old = view_.point(v);
-    if (options_.scheme == SubdivisionScheme::midpoint || mesh_.status(v).deleted() || mesh_.is_isolated(v) ||
-        !view_.may_move(v) || features_[v] == VertexClass::corner)
+    if (options_.scheme != SubdivisionScheme::loop || mesh_.status(v).deleted() || mesh_.is_isolated(v) ||
+        !view_.may_move(v))
       return old;
-    const bool on_line = features_[v] == VertexClass::crease || features_[v] == VertexClass::boundary;
-    Vec3 sum(0, 0, 0);
-    int n = 0;
     bool all_split = true;
-    for_each_outgoing(mesh_, v, [&](HalfedgeHandle h) {
-      const EdgeHandle e = mesh_.edge_handle(h);
-      all_split = all_split && splits_[index(e)];
-      if (on_line && !features_.is_feature(e)) return;
-      sum += view_.point(mesh_.to_vertex_handle(h)) - old;
-      ++n;
-    });
+    for_each_outgoing(mesh_, v,
+                      [&](HalfedgeHandle h) { all_split = all_split && splits_[index(mesh_.edge_handle(h))]; });
     if (!all_split) return old;
-    const Vec3 result = old + sum * (on_line ? 1.0 / 8 : loop_weight(n));
+    const Vec3 result = loop_vertex_point(view_, features_, v);
     return is_finite(result) ? result : old;
   }
 
@@ -254,15 +241,16 @@ const OptionSchema& SubdivideOptions::schema() {
   using O = SubdivideOptions;
   static const OptionSchema schema =
       Schema<O>()
-          .choice("scheme", &O::scheme, {{"loop", SubdivisionScheme::loop}, {"midpoint", SubdivisionScheme::midpoint}},
-                  {.help = "loop smooths, midpoint keeps the surface"})
+          .choice("scheme", &O::scheme,
+                  {{"loop", SubdivisionScheme::loop},
+                   {"butterfly", SubdivisionScheme::butterfly},
+                   {"midpoint", SubdivisionScheme::midpoint}},
+                  {.help = "loop smooths, butterfly keeps the vertices, midpoint the surface"})
           .integer("levels", &O::levels, {.min = 1, .max = 12, .help = "how often; each makes four triangles of one"})
-          .angle(
-              "feature-angle", &O::feature_angle,
-              {.min = 0, .max = 180, .help = "loop: edges with a larger angle between normals stay sharp; 180: none"})
-          .angle(
-              "corner-angle", &O::corner_angle,
-              {.min = 0, .max = 180, .help = "loop: where a crease or boundary turns by more is a corner; 180: none"});
+          .angle("feature-angle", &O::feature_angle,
+                 {.min = 0, .max = 180, .help = "edges with a larger angle between normals stay sharp; 180: none"})
+          .angle("corner-angle", &O::corner_angle,
+                 {.min = 0, .max = 180, .help = "where a crease or boundary turns by more is a corner; 180: none"});
   return schema;
 }
 

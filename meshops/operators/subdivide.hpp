@@ -10,16 +10,18 @@
 namespace tri {
 
 enum class SubdivisionScheme {
-  loop,      ///< smooths: the limit is C2 but for irregular vertices [Loop 1987]
-  midpoint,  ///< the same surface in smaller triangles
+  loop,       ///< smooths: the limit is C2 but for irregular vertices [Loop 1987]
+  butterfly,  ///< smooth as well, through the vertices; wavier [Zorin, Schroeder & Sweldens 1996]
+  midpoint,   ///< the same surface in smaller triangles
 };
 
 struct SubdivideOptions {
   SubdivisionScheme scheme = SubdivisionScheme::loop;
   int levels = 1;  ///< each makes four triangles of one
-  /// Radians; loop: edges with a larger angle between normals before the first level stay sharp, on every level.
+  /// Radians; not midpoint: edges with a larger angle between normals before the first level stay sharp, on every
+  /// level.
   double feature_angle = 60 * std::numbers::pi / 180;
-  /// Radians; loop: where a crease or the boundary turns by more is a corner, which stays in its place.
+  /// Radians; not midpoint: where a crease or the boundary turns by more is a corner, which stays in its place.
   double corner_angle = 50 * std::numbers::pi / 180;
 
   static const OptionSchema& schema();
@@ -27,22 +29,20 @@ struct SubdivideOptions {
 
 /// Splits every triangle into four, at new vertices on its edges.
 ///
-/// `midpoint` puts them into the middle of the edges and moves nothing. `loop` puts them at 3/8 of the ends and 1/8 of
-/// the corners beyond, and moves the old vertices by Loop's weights ["Smooth subdivision surfaces based on triangles",
-/// 1987]. Boundary and creases become cubic B-splines: new vertices in the middle, old ones at 3/4 of themselves and
-/// 1/8 of their two neighbours along the line [Hoppe et al. 1994, "Piecewise smooth surface reconstruction", without
-/// its special weights beside corners]; corners stay, where a crease fades out it is smooth. Which edges and vertices
-/// these are is found once
-/// (`find_features`, with both angles), and handed down from level to level. Where not all around a vertex is split (at
-/// the rim of a selection) it stays; triangles that keep an edge whole are split into two or three. A point whose
-/// stencil is not finite goes to the middle of the edge, or stays.
+/// `midpoint` puts them into the middle of the edges and moves nothing; `butterfly` moves no old vertex either, and
+/// puts the new ones where a smooth surface through the old ones would run (`butterfly_edge_point`). `loop` smooths: it
+/// moves the old vertices as well (`loop_edge_point`, `loop_vertex_point`). Boundary and creases become curves of their
+/// own, for loop cubic B-splines [Hoppe et al. 1994, "Piecewise smooth surface reconstruction", without its special
+/// weights beside corners]; corners stay; where a crease fades out it is smooth. Which edges and vertices these are is
+/// found once, by `find_features` with both angles, and handed down from level to level. Where not all around a vertex
+/// is split (at the rim of a selection) it stays; triangles that keep an edge whole are split into two or three. A
+/// point whose stencil is not finite goes to the middle of the edge, or stays.
 ///
 /// Handles of all elements stay; a face keeps its handle for one of its four pieces, an edge for one of its halves. New
 /// vertices inherit the mean of the ends of their edge, faces what they are a piece of (see meshops/mesh_edit.hpp); the
 /// values of old vertices stay. Linear in what is made. `touched_faces`, `touched_vertices`: all that changed or are
-/// new. `vertices_moved` counts old vertices. `skipped`: "edges of triangles back to
-/// back", whose pieces would have edges twice. Points are computed in parallel, with the same result for any number of
-/// threads; splitting is serial.
+/// new. `vertices_moved` counts old vertices. `skipped`: "edges of triangles back to back", whose pieces would have
+/// edges twice. Points are computed in parallel, with the same result for any number of threads; splitting is serial.
 ///
 /// On cancel (checked every 1024 edges) the mesh is valid, and its surface is exactly that of the last whole level:
 /// some edges are split, in their middle.
