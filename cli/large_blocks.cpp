@@ -46,6 +46,7 @@ class LargeBlocks {
 
   /// @return null if there is no room
   void* take(std::size_t size, std::size_t alignment) {
+    if (size > range_size) return nullptr;  // nor may it overflow when it is rounded up
     size = round_up(size, step);
     const std::lock_guard lock(mutex_);
     if (begin_ == end_) return nullptr;
@@ -134,7 +135,7 @@ void* take(std::size_t size, std::size_t alignment) {
   if (size >= least_large) {
     if (void* const block = large_blocks().take(size, std::max<std::size_t>(alignment, 64))) return block;
   }
-  if (alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__) return std::malloc(std::max<std::size_t>(size, 1));
+  if (alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ || size > range_size) return std::malloc(std::max<std::size_t>(size, 1));
   return std::aligned_alloc(alignment, round_up(std::max<std::size_t>(size, 1), alignment));
 }
 
