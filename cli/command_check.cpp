@@ -72,7 +72,7 @@ int run(const Arguments& a, Program& program) {
 void add_check_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("check", "Say what is wrong with a mesh, and where; exit code 1 if anything is");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("mesh", a->input, "Mesh to read: PLY, STL, OBJ or OFF; - for standard input")->required();
+  command->add_option("mesh", a->input, "Mesh to read: PLY, STL, OBJ, OFF, 3MF or glTF; - for standard input")->required();
   command->add_flag("--open", a->open, "The mesh is meant to be an open surface: its boundary is nothing wrong");
   command->add_option("--needle", a->needle, "Height over longest side below which a triangle is a needle")
       ->check(CLI::Range(0.0, 0.5))

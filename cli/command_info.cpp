@@ -64,7 +64,7 @@ void add_info_command(CLI::App& app, Program& program) {
   const auto a = std::make_shared<Arguments>();
   command
       ->add_option("file", a->input,
-                   "Mesh (PLY, STL, OBJ, OFF), points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) or CAD (IGES, STEP, BREP)")
+                   "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF), points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) or CAD (IGES, STEP, BREP)")
       ->required();
   command
       ->add_option("--as", a->kind, "What the file holds; auto goes by its name, and a PLY without faces holds points")

@@ -94,7 +94,7 @@ void add_render_command(CLI::App& app, Program& program) {
   const auto a = std::make_shared<Arguments>();
   command
       ->add_option("mesh", a->input,
-                   "Mesh: PLY, STL, OBJ or OFF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")
+                   "Mesh: PLY, STL, OBJ, OFF, 3MF or glTF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")
       ->required();
   command->add_option("-o,--output", a->output, "Picture to write, .png")->required();
   command->add_flag("--edges", a->options.edges, "Draw the edges of the triangles, and rims in red");

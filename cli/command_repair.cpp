@@ -60,8 +60,8 @@ int run(const Arguments& a, Program& program) {
 void add_repair_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("repair", "Make a clean mesh of any triangles, and say what was done");
   const auto a = std::make_shared<Arguments>();
-  command->add_option("in", a->input, "Mesh to read: PLY, STL, OBJ or OFF")->required();
-  command->add_option("-o,--output", a->output, "Mesh to write; its ending (.ply, .stl, .obj, .off) gives the format");
+  command->add_option("in", a->input, "Mesh to read: PLY, STL, OBJ, OFF, 3MF or glTF")->required();
+  command->add_option("-o,--output", a->output, "Mesh to write; its ending (.ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp) gives the format");
   command->add_option("--goal", a->goal, "solid: closed, no crossings; surface: open where it was open; auto: by the boundary")
       ->check(CLI::IsMember({"auto", "solid", "surface"}))
       ->capture_default_str();

@@ -101,7 +101,7 @@ void check_formats(const Arguments& a, const Pipeline& pipeline) {
     return;
   }
   const std::string extension = file_extension(a.output);
-  if (extension == "stl" || extension == "obj" || extension == "off")
+  if (kind_of(a.output) == "mesh" && extension != "ply")
     throw UsageError(fmt::format("\"{}\" is a mesh, and these are points: connecting them needs a model (tri triangulate "
                                  "--cad)",
                                  a.output));
@@ -120,8 +120,8 @@ int save_only(const Arguments& a, const Pipeline& pipeline) {
 void add_run_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("run", "Run operators on a mesh or on points, one after another");
   const auto a = std::make_shared<Arguments>();
-  auto* input = command->add_option("in", a->input, "Mesh (PLY, STL, OBJ, OFF) or points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) to read");
-  command->add_option("out", a->output, "File to write; its ending gives the format: mesh .ply, .stl, .obj, .off; points .xyz, .txt, .asc, .csv, .ply, .pcd")->needs(input);
+  auto* input = command->add_option("in", a->input, "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF) or points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) to read");
+  command->add_option("out", a->output, "File to write; its ending gives the format: mesh .ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp; points .xyz, .txt, .asc, .csv, .ply, .pcd")->needs(input);
   command->add_option("--recipe", a->recipe, "Take the steps from this file, as --save writes it");
   command->add_option("--save", a->save, "Write the steps to this file; without IN and OUT nothing else is done");
   command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");

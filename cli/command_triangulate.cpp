@@ -120,7 +120,7 @@ void add_triangulate_command(CLI::App& app, Program& program) {
   add_model_options(*command, a->model);
   command->add_option("points", a->points, "Measured points in any pose: XYZ, ASC, CSV, TXT, PLY, PCD, PTX or E57, in any order")
       ->required();
-  command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation, and what the file says of each point), .stl, .obj, .off")
+  command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation, and what the file says of each point), .stl, .obj, .off, .3mf, .glb, .gltf, .vtp")
       ->required()
       ->type_name("FILE");
   command

@@ -62,7 +62,7 @@ std::string kind_of(const std::string& path) {
     return std::find(list.begin(), list.end(), extension) != list.end();
   };
   if (is_one_of({"igs", "iges", "stp", "step", "brep"})) return "cad";
-  if (is_one_of({"stl", "obj", "off", "ply"})) return "mesh";
+  if (is_one_of({"stl", "obj", "off", "ply", "3mf", "gltf", "glb", "vtp"})) return "mesh";
   if (is_one_of({"xyz", "asc", "csv", "txt", "pts", "pcd", "ptx", "e57"})) return "points";
   return "";
 }

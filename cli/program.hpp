@@ -63,7 +63,7 @@ void require_extension(const std::string& path, const std::vector<std::string>& 
 std::string kind_of(const std::string& path);
 
 /// The writable mesh formats.
-inline const std::vector<std::string> mesh_extensions{"ply", "stl", "obj", "off"};
+inline const std::vector<std::string> mesh_extensions{"ply", "stl", "obj", "off", "3mf", "glb", "gltf", "vtp"};
 
 /// Runs `check`, which looks at options only, and turns InvalidInput into UsageError.
 template <class Check>

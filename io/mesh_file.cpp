@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "io/input_file.hpp"
 #include "io/mesh_formats.hpp"
+#include "io/mesh_losses.hpp"
 #include "io/text_scanner.hpp"
 #include "meshops/to_soup.hpp"
 
@@ -33,14 +33,17 @@ bool looks_like_obj(std::string_view bytes) {
 }
 
 [[noreturn]] void fail_unknown(std::string_view bytes, const std::string& name) {
-  std::string what = "is not a mesh in STL, OBJ, PLY or OFF";
+  std::string what = "is not a mesh in STL, OBJ, PLY, OFF, 3MF or glTF";
   if (bytes.starts_with("ISO-10303-21")) what += "; it is a STEP file, a CAD model";
-  if (bytes.starts_with("\x1f\x8b") || bytes.starts_with("PK\x03\x04")) what += "; it is compressed";
+  if (bytes.starts_with("\x1f\x8b")) what += "; it is compressed";
+  if (bytes.find("<VTKFile") < 200 || bytes.starts_with("# vtk")) what += "; it is a VTK file, which is written only";
   if (bytes.starts_with("# .PCD")) what += "; it is a PCD file, a set of points";
   throw IoError(name, what);
 }
 
 MeshFormat format_of(std::string_view bytes, const std::string& name) {
+  if (bytes.starts_with("PK\x03\x04") || bytes.starts_with("PK\x05\x06")) return MeshFormat::threemf;
+  if (bytes.starts_with("glTF")) return MeshFormat::gltf;
   if (begins_with_word(bytes, "ply")) return MeshFormat::ply;
   if (has_binary_stl_size(bytes)) return MeshFormat::stl;
   if (has_off_header(bytes)) return MeshFormat::off;
@@ -51,6 +54,8 @@ MeshFormat format_of(std::string_view bytes, const std::string& name) {
   if (extension == "obj") return MeshFormat::obj;
   if (extension == "ply") return MeshFormat::ply;
   if (extension == "off") return MeshFormat::off;
+  if (extension == "gltf" || extension == "glb" || looks_like_gltf(bytes)) return MeshFormat::gltf;
+  if (extension == "3mf") return MeshFormat::threemf;
   if (looks_like_obj(bytes)) return MeshFormat::obj;
   fail_unknown(bytes, name);
 }
@@ -95,47 +100,25 @@ void check(const Soup& soup) {
       if (v >= n) throw InvalidInput(fmt::format("triangle {} names vertex {} of {}", i, v, n));
 }
 
-/// Whether the format has a place for this face scalar.
-bool holds_face_scalar(const Soup& soup, const std::string& name, const std::vector<double>& values, MeshFormat format,
-                       bool ascii) {
-  if (format == MeshFormat::ply) return true;
-  if (format == MeshFormat::stl) return name == "attribute" && !ascii && is_stl_attribute(values);
-  const bool part = name == "group" || name == "object" || name == "material";
-  return format == MeshFormat::obj && part && soup.face_labels.contains(name);
+struct Ending {
+  const char* extension;
+  MeshFormat format;
+};
+constexpr Ending endings[] = {{"stl", MeshFormat::stl},  {"obj", MeshFormat::obj},      {"ply", MeshFormat::ply},
+                              {"off", MeshFormat::off},  {"3mf", MeshFormat::threemf}, {"gltf", MeshFormat::gltf},
+                              {"glb", MeshFormat::gltf}, {"vtp", MeshFormat::vtk}};
+
+MeshFormat output_format(const std::string& path) {
+  const std::string extension = file_extension(path);
+  for (const Ending& ending : endings)
+    if (extension == ending.extension) return ending.format;
+  throw InvalidInput(
+      fmt::format("{}: meshes are written as .stl, .obj, .ply, .off, .3mf, .gltf, .glb or .vtp, not \".{}\"", path, extension));
 }
 
-bool holds_corner_scalar(const Soup& soup, const std::string& name, MeshFormat format) {
-  return (format == MeshFormat::obj || format == MeshFormat::ply) && (name == "s" || name == "t") &&
-         soup.corner_scalars.contains("s") && soup.corner_scalars.contains("t");
-}
-
-void note_what_is_lost(const Soup& soup, bool ascii, MeshWriteReport& report) {
-  const std::string format(name_of(report.format));
-  if (report.format == MeshFormat::stl) {
-    std::vector<bool> used(soup.points.size());
-    for (const Triangle& triangle : soup.triangles)
-      for (const std::uint32_t v : triangle) used[v] = true;
-    const auto unused = std::count(used.begin(), used.end(), false);
-    if (unused > 0)
-      report.notes.push_back(fmt::format("STL holds no vertex without a triangle: {} were not written", unused));
-    if (!soup.vertex_normals.empty()) report.notes.emplace_back("STL holds no vertex normals: they were not written");
-    if (!soup.vertex_colors.empty()) report.notes.emplace_back("STL holds no vertex colours: they were not written");
-  }
-  std::array<std::string, 4> lost;
-  const auto lose = [&](std::size_t kind, const std::string& name) { lost[kind] += (lost[kind].empty() ? "" : ", ") + name; };
-  for (const auto& [name, values] : soup.vertex_scalars)
-    if (report.format != MeshFormat::ply) lose(0, name);
-  for (const auto& [name, values] : soup.face_scalars)
-    if (!holds_face_scalar(soup, name, values, report.format, ascii)) lose(1, name);
-  for (const auto& [name, values] : soup.corner_scalars)
-    if (!holds_corner_scalar(soup, name, report.format)) lose(2, name);
-  for (const auto& [name, values] : soup.face_labels)
-    if (report.format == MeshFormat::ply) lose(3, name);
-  static constexpr const char* kinds[] = {"vertex scalars", "face scalars", "scalars of corners", "names (their numbers were written)"};
-  for (std::size_t kind = 0; kind < lost.size(); ++kind)
-    if (!lost[kind].empty())
-      report.notes.push_back(fmt::format("{} holds no {}: {} were not written", format, kinds[kind], lost[kind]));
-}
+#ifndef TRI_WITH_3MF
+constexpr const char* without_3mf = "this program was built without 3MF (libzip and expat)";
+#endif
 
 }  // namespace
 
@@ -148,9 +131,15 @@ std::string_view name_of(MeshFormat format) {
     case MeshFormat::ply:
       return "PLY";
     case MeshFormat::off:
+      return "OFF";
+    case MeshFormat::threemf:
+      return "3MF";
+    case MeshFormat::gltf:
+      return "glTF";
+    case MeshFormat::vtk:
       break;
   }
-  return "OFF";
+  return "VTK";
 }
 
 std::string_view name_of(MeshEncoding encoding) {
@@ -160,9 +149,11 @@ std::string_view name_of(MeshEncoding encoding) {
     case MeshEncoding::binary_little_endian:
       return "binary little endian";
     case MeshEncoding::binary_big_endian:
+      return "binary big endian";
+    case MeshEncoding::compressed_text:
       break;
   }
-  return "binary big endian";
+  return "compressed text";
 }
 
 Soup parse_mesh(std::string_view bytes, const std::string& name, Context& context, MeshFileInfo* info) {
@@ -186,6 +177,18 @@ Soup parse_mesh(std::string_view bytes, const std::string& name, Context& contex
     case MeshFormat::off:
       soup = parse_off(bytes, name, context, what);
       break;
+    case MeshFormat::threemf:
+#ifdef TRI_WITH_3MF
+      soup = parse_threemf(bytes, name, context, what);
+      break;
+#else
+      throw IoError(name, without_3mf);
+#endif
+    case MeshFormat::gltf:
+      soup = parse_gltf(bytes, name, context, what);
+      break;
+    case MeshFormat::vtk:
+      fail_unknown(bytes, name);
   }
   for (const std::string& note : what.notes) context.log(name + ": " + note);
   context.progress("read", 1);
@@ -199,18 +202,11 @@ Soup read_mesh(const std::string& path, Context& context, MeshFileInfo* info) {
 
 MeshWriteReport write_mesh(const std::string& path, const Soup& soup, const MeshWriteOptions& options,
                            Context& context) {
-  const std::string extension = file_extension(path);
   MeshWriteReport report;
-  if (extension == "stl")
-    report.format = MeshFormat::stl;
-  else if (extension == "obj")
-    report.format = MeshFormat::obj;
-  else if (extension == "ply")
-    report.format = MeshFormat::ply;
-  else if (extension == "off")
-    report.format = MeshFormat::off;
-  else
-    throw InvalidInput(fmt::format("{}: meshes are written as .stl, .obj, .ply or .off, not \".{}\"", path, extension));
+  report.format = output_format(path);
+#ifndef TRI_WITH_3MF
+  if (report.format == MeshFormat::threemf) throw InvalidInput(fmt::format("{}: {}", path, without_3mf));
+#endif
   check(soup);
   note_what_is_lost(soup, options.ascii, report);
 
@@ -220,13 +216,24 @@ MeshWriteReport write_mesh(const std::string& path, const Soup& soup, const Mesh
       write_stl(file, soup, options.ascii, context, report);
       break;
     case MeshFormat::obj:
-      write_obj(file, soup, context);
+      write_obj(file, soup, context, report);
       break;
     case MeshFormat::ply:
       write_ply(file, soup, options.ascii, context);
       break;
     case MeshFormat::off:
       write_off(file, soup, context);
+      break;
+    case MeshFormat::threemf:
+#ifdef TRI_WITH_3MF
+      write_threemf(file, soup, context, report);
+#endif
+      break;
+    case MeshFormat::gltf:
+      write_gltf(file, soup, file_extension(path) == "glb", context, report);
+      break;
+    case MeshFormat::vtk:
+      write_vtp(file, soup, context);
       break;
   }
   file.commit();

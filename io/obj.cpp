@@ -73,10 +73,12 @@ class ObjParser {
     }
     check_later_references();
     if (soup_.points.empty()) scanner_.fail("not an OBJ mesh: the file ends without a vertex");
-    if (has_texture_) collector_.name_corner_columns({"s", "t"});
+    if (has_texture_ || !normals_.empty()) collector_.name_corner_columns({"s", "t", "normal"});
     collector_.finish(soup_, info_, context);
     keep_colors();
     keep_normals();
+    soup_.corner_scalars.erase("normal");
+    if (!has_texture_) soup_.corner_scalars.erase("s"), soup_.corner_scalars.erase("t");
     keep_parts();
     if (info_.parts.empty()) info_.parts.emplace_back();
     notes();
@@ -191,37 +193,41 @@ class ObjParser {
     corners_.clear();
     corner_normals_.clear();
     corner_values_.clear();
-    bool textured = true;
+    bool textured = true, with_normals = false;
     while (!scanner_.at_line_end('#')) {
       const std::string_view corner = scanner_.token();
       const std::size_t slash = corner.find('/');
       const std::int64_t v =
           index(corner.substr(0, slash), static_cast<std::int64_t>(soup_.points.size()), vertices_, "vertex", corner);
-      std::int64_t n = -1;
+      std::int64_t n = -1, texture = -1;
       if (slash != std::string_view::npos) {
         const std::string_view rest = corner.substr(slash + 1);
         const std::size_t second = rest.find('/');
         const auto t = rest.substr(0, second);
-        std::int64_t texture = -1;
         if (!t.empty())
           texture = index(t, static_cast<std::int64_t>(textures_at_.size()), textures_, "texture", corner);
-        textured = textured && texture >= 0;
-        // One that comes later in the file is rare enough to be lost; a note says so.
-        const bool known = texture >= 0 && texture < static_cast<std::int64_t>(textures_at_.size());
-        textures_later_ += texture >= 0 && !known;
-        for (std::size_t k = 0; k < 2; ++k)
-          corner_values_.push_back(known ? textures_at_[static_cast<std::size_t>(texture)][k]
-                                         : std::numeric_limits<double>::quiet_NaN());
         if (second != std::string_view::npos && second + 1 < rest.size())
           n = index(rest.substr(second + 1), static_cast<std::int64_t>(normals_.size()), normal_references_, "normal",
                     corner);
       }
+      textured = textured && texture >= 0;
+      with_normals = with_normals || n >= 0;
+      // One that comes later in the file is rare enough to be lost; a note says so.
+      const bool known = texture >= 0 && texture < static_cast<std::int64_t>(textures_at_.size());
+      textures_later_ += texture >= 0 && !known;
+      constexpr double none = std::numeric_limits<double>::quiet_NaN();
+      for (std::size_t k = 0; k < 2; ++k)
+        corner_values_.push_back(known ? textures_at_[static_cast<std::size_t>(texture)][k] : none);
+      corner_values_.push_back(static_cast<double>(n));
       corners_.push_back(static_cast<std::uint32_t>(v));
       corner_normals_.push_back(n);
     }
-    if (corner_values_.size() != 2 * corners_.size() || !textured) corner_values_.clear();
-    has_texture_ = has_texture_ || !corner_values_.empty();
-    collector_.add(corners_, corner_values_, 2);
+    if (!textured)
+      for (std::size_t i = 0; i < corner_values_.size(); ++i)
+        if (i % 3 != 2) corner_values_[i] = std::numeric_limits<double>::quiet_NaN();
+    has_texture_ = has_texture_ || (textured && !corners_.empty());
+    if (!textured && !with_normals) corner_values_.clear();
+    collector_.add(corners_, corner_values_, 3);
     if (!normals_differ_) note_normals();
   }
 
@@ -275,11 +281,29 @@ class ObjParser {
     vertex_normal_.resize(soup_.points.size(), -2);
     const bool all = std::all_of(vertex_normal_.begin(), vertex_normal_.end(), [](std::int64_t n) { return n >= 0; });
     if (normals_differ_ || !all) {
-      info_.notes.emplace_back("normals are not kept: vertices do not have one each");
+      keep_corner_normals();
       return;
     }
     soup_.vertex_normals.reserve(soup_.points.size());
     for (const std::int64_t n : vertex_normal_) soup_.vertex_normals.push_back(normals_[static_cast<std::size_t>(n)]);
+  }
+
+  /// Of vertices that have several; by the number of the normal of each corner.
+  void keep_corner_normals() {
+    const auto numbers = soup_.corner_scalars.find("normal");
+    const bool any = numbers != soup_.corner_scalars.end() &&
+                     std::any_of(numbers->second.begin(), numbers->second.end(), [](double n) { return n >= 0; });
+    if (!any) {
+      info_.notes.push_back(fmt::format("{} normals are not kept: no face uses them", normals_.size()));
+      return;
+    }
+    static constexpr const char* names[] = {"nx", "ny", "nz"};
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::vector<double>& values = soup_.corner_scalars[names[k]];
+      values.reserve(numbers->second.size());
+      for (const double n : numbers->second)
+        values.push_back(n >= 0 ? normals_[static_cast<std::size_t>(n)][k] : std::numeric_limits<double>::quiet_NaN());
+    }
   }
 
   void notes() {
@@ -333,7 +357,7 @@ namespace {
 /// Writes "usemtl NAME" and the like wherever the part of the triangles changes.
 class PartWriter {
  public:
-  PartWriter(const Soup& soup, const char* scalar, std::string_view keyword) : keyword_(keyword) {
+  PartWriter(const Soup& soup, const char* scalar, std::string_view keyword) : scalar_(scalar), keyword_(keyword) {
     const auto values = soup.face_scalars.find(scalar);
     const auto labels = soup.face_labels.find(scalar);
     if (values == soup.face_scalars.end() || labels == soup.face_labels.end()) return;
@@ -344,43 +368,70 @@ class PartWriter {
     if (!values_ || (*values_)[triangle] == last_) return;
     const double value = (*values_)[triangle];
     const bool named = value >= 0 && value < static_cast<double>(labels_->size()) && value == std::floor(value);
-    if (!named) return;  // what has no part stays in the one before, as in every OBJ file
+    if (!named) {  // what has no part stays in the one before, as in every OBJ file
+      absorbed_ += last_ >= 0;
+      return;
+    }
     last_ = value;
-    out << keyword_ << ' ' << (*labels_)[static_cast<std::size_t>(value)] << '\n';
+    out << keyword_ << ' ' << one_line((*labels_)[static_cast<std::size_t>(value)]) << '\n';
+  }
+
+  void note(MeshWriteReport& report) const {
+    if (absorbed_ > 0)
+      report.notes.push_back(fmt::format("{} triangles without a {} come after some with one, to which OBJ counts them", absorbed_, scalar_));
+    if (odd_names_ > 0) report.notes.push_back(fmt::format("{} names of a {} were written without line ends and the like", odd_names_, scalar_));
   }
 
  private:
+  /// A name that stays within its line, and is read as it is written.
+  std::string one_line(std::string name) {
+    const std::string as_it_was = name;
+    for (char& c : name)
+      if (static_cast<unsigned char>(c) < 32) c = ' ';
+    while (!name.empty() && (name.back() == ' ' || name.back() == '\\')) name.pop_back();
+    name.erase(0, std::min(name.find_first_not_of(' '), name.size()));
+    odd_names_ += name != as_it_was;
+    return name;
+  }
+
+  const char* scalar_;
   std::string_view keyword_;
+  std::uint64_t absorbed_ = 0, odd_names_ = 0;
   const std::vector<double>* values_ = nullptr;
   const std::vector<std::string>* labels_ = nullptr;
   double last_ = -1;
 };
 
-/// Texture coordinates without repetition, and which each corner has; 0 for none.
-struct TextureTable {
-  std::vector<std::array<double, 2>> places;
+/// Values of corners (texture coordinates, normals) without repetition, and which each corner has; 0 for none.
+template <std::size_t size>
+struct CornerTable {
+  std::vector<std::array<double, size>> rows;
   std::vector<std::uint64_t> of_corner;
-};
 
-TextureTable texture_table(const Soup& soup) {
-  TextureTable table;
-  const auto s = soup.corner_scalars.find("s"), t = soup.corner_scalars.find("t");
-  if (s == soup.corner_scalars.end() || t == soup.corner_scalars.end()) return table;
-  std::map<std::array<double, 2>, std::uint64_t> number;
-  table.of_corner.assign(s->second.size(), 0);
-  for (std::size_t i = 0; i < table.of_corner.size(); ++i) {
-    const std::array<double, 2> place{s->second[i], t->second[i]};
-    if (!std::isfinite(place[0]) || !std::isfinite(place[1])) continue;
-    const auto [found, is_new] = number.emplace(place, table.places.size() + 1);
-    if (is_new) table.places.push_back(place);
-    table.of_corner[i] = found->second;
+  /// Of the corner scalars of these names, where all are finite; empty unless the soup has them all.
+  CornerTable(const Soup& soup, const std::array<const char*, size>& names) {
+    std::array<const std::vector<double>*, size> columns;
+    for (std::size_t k = 0; k < size; ++k) {
+      const auto found = soup.corner_scalars.find(names[k]);
+      if (found == soup.corner_scalars.end()) return;
+      columns[k] = &found->second;
+    }
+    std::map<std::array<double, size>, std::uint64_t> number;
+    of_corner.assign(3 * soup.triangles.size(), 0);
+    for (std::size_t i = 0; i < of_corner.size(); ++i) {
+      std::array<double, size> row;
+      for (std::size_t k = 0; k < size; ++k) row[k] = (*columns[k])[i];
+      if (!std::all_of(row.begin(), row.end(), [](double v) { return std::isfinite(v); })) continue;
+      const auto [found, is_new] = number.emplace(row, rows.size() + 1);
+      if (is_new) rows.push_back(row);
+      of_corner[i] = found->second;
+    }
   }
-  return table;
-}
+};
 
 }  // namespace
 
-void write_obj(AtomicFile& file, const Soup& soup, Context& context) {
+void write_obj(AtomicFile& file, const Soup& soup, Context& context, MeshWriteReport& report) {
   TextWriter out(file);
   const bool colors = !soup.vertex_colors.empty();
   for (std::size_t i = 0; i < soup.points.size(); ++i) {
@@ -391,10 +442,14 @@ void write_obj(AtomicFile& file, const Soup& soup, Context& context) {
       for (const std::uint8_t c : soup.vertex_colors[i]) out << ' ' << static_cast<float>(c) / 255.f;
     out << '\n';
   }
-  const TextureTable textures = texture_table(soup);
-  for (const auto& [s, t] : textures.places) out << "vt " << s << ' ' << t << '\n';
-  for (const Vec3& n : soup.vertex_normals) out << "vn " << n[0] << ' ' << n[1] << ' ' << n[2] << '\n';
-  const bool normals = !soup.vertex_normals.empty();
+  const CornerTable<2> textures(soup, {"s", "t"});
+  const CornerTable<3> corner_normals(soup, {"nx", "ny", "nz"});
+  for (const auto& [s, t] : textures.rows) out << "vt " << s << ' ' << t << '\n';
+  for (const auto& n : corner_normals.rows) out << "vn " << n[0] << ' ' << n[1] << ' ' << n[2] << '\n';
+  const bool normals = !soup.vertex_normals.empty() && corner_normals.rows.empty();
+  if (normals)
+    for (const Vec3& n : soup.vertex_normals) out << "vn " << n[0] << ' ' << n[1] << ' ' << n[2] << '\n';
+  std::uint64_t half_textured = 0;
   PartWriter objects(soup, "object", "o"), groups(soup, "group", "g"), materials(soup, "material", "usemtl");
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
     if (i % checkpoint_interval == 0) {
@@ -405,15 +460,25 @@ void write_obj(AtomicFile& file, const Soup& soup, Context& context) {
     out << 'f';
     // A face either has texture coordinates at every corner or at none.
     bool textured = !textures.of_corner.empty();
-    for (std::size_t k = 0; textured && k < 3; ++k) textured = textures.of_corner[3 * i + k] != 0;
+    bool half = false;
+    for (std::size_t k = 0; k < 3 && !textures.of_corner.empty(); ++k) {
+      textured = textured && textures.of_corner[3 * i + k] != 0;
+      half = half || textures.of_corner[3 * i + k] != 0;
+    }
+    half_textured += half && !textured;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint64_t v = soup.triangles[i][k] + 1ULL;
       out << ' ' << v;
       if (textured) out << '/' << textures.of_corner[3 * i + k];
-      if (normals) out << (textured ? "/" : "//") << v;
+      const std::uint64_t n = normals ? v : corner_normals.rows.empty() ? 0 : corner_normals.of_corner[3 * i + k];
+      if (n > 0) out << (textured ? "/" : "//") << n;
     }
     out << '\n';
   }
+  if (half_textured > 0)
+    report.notes.push_back(
+        fmt::format("texture coordinates of {} triangles were not written: not every corner has them", half_textured));
+  for (const PartWriter* part : {&objects, &groups, &materials}) part->note(report);
 }
 
 }  // namespace tri::io_detail

@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
 
+#include "io/face_color.hpp"
 #include "io/mesh_formats.hpp"
+#include "io/mesh_losses.hpp"
 #include "io/polygon.hpp"
 #include "io/text_number.hpp"
 #include "io/text_scanner.hpp"
@@ -50,8 +54,14 @@ class OffParser {
     if (extra_ > 0)
       info_.notes.push_back(
           fmt::format("further values of {} vertices, which the header does not name, are not kept", extra_));
-    if (header_.texture) info_.notes.emplace_back("texture coordinates are not kept");
-    if (colored_faces_ > 0) info_.notes.push_back(fmt::format("the colours of {} faces are not kept", colored_faces_));
+    if (header_.texture)
+      for (const char* name : {"s", "t"}) {
+        std::vector<double>& values = soup_.corner_scalars[name];
+        for (const Triangle& t : soup_.triangles)
+          for (const std::uint32_t v : t) values.push_back(textures_[v][*name == 't']);
+      }
+    keep_face_colors();
+    if (transparent_ > 0) info_.notes.push_back(fmt::format("the transparency of {} colours is not kept", transparent_));
     return std::move(soup_);
   }
 
@@ -110,10 +120,9 @@ class OffParser {
   void vertices(Context& context) {
     soup_.points.reserve(vertex_count_);
     if (header_.normal) soup_.vertex_normals.reserve(vertex_count_);
-    bool fractions = false;
-    double largest = 0;
-    std::vector<std::array<double, 3>> colors;
+    Colors colors;
     std::vector<double> values;
+    std::vector<char> pointed;  // written with a point or an exponent
     for (std::uint64_t i = 0; i < vertex_count_; ++i) {
       report(context, i);
       if (!scanner_.next_filled_line('#')) scanner_.fail(fmt::format("truncated: {} of {} vertices", i, vertex_count_));
@@ -127,41 +136,87 @@ class OffParser {
         const double nz = scanner_.coordinate("normal z");
         soup_.vertex_normals.emplace_back(nx, ny, nz);
       }
-      values.clear();
-      while (!scanner_.at_line_end('#')) {
-        const char* first = scanner_.position();
-        values.push_back(scanner_.number("a colour or texture coordinate"));
-        const std::string_view text(first, static_cast<std::size_t>(scanner_.position() - first));
-        fractions = fractions || (values.size() <= 4 && text.find_first_of(".eE") != std::string_view::npos);
-      }
-      const std::size_t color_values = values.size() - std::min<std::size_t>(values.size(), header_.texture ? 2 : 0);
+      rest_of_line(values, pointed, "a colour or texture coordinate");
+      if (header_.texture && values.size() < 2) scanner_.fail(fmt::format("vertex {} has no texture coordinates", i));
+      const std::size_t color_values = values.size() - (header_.texture ? 2 : 0);
+      if (header_.texture) textures_.push_back({values[color_values], values[color_values + 1]});
       if (header_.color) {
         if (color_values != 3 && color_values != 4)
           scanner_.fail(fmt::format("vertex {} has {} colour values, not 3 or 4", i, color_values));
-        colors.push_back({values[0], values[1], values[2]});
-        for (std::size_t k = 0; k < color_values; ++k) {
-          if (!(values[k] >= 0 && values[k] <= 255))
-            scanner_.fail(fmt::format("colour value {} of vertex {} is outside of 0 to 255", values[k], i));
-          largest = std::max(largest, values[k]);
-        }
+        add_color(colors, values, pointed, color_values, "vertex", i);
       } else {
         extra_ += color_values > 0;
       }
       scanner_.next_line();
     }
+    soup_.vertex_colors = levels(colors);
+  }
+
+  /// The numbers up to the end of the line.
+  void rest_of_line(std::vector<double>& values, std::vector<char>& pointed, const char* what) {
+    values.clear();
+    pointed.clear();
+    while (!scanner_.at_line_end('#')) {
+      const char* first = scanner_.position();
+      values.push_back(scanner_.number(what));
+      const std::string_view text(first, static_cast<std::size_t>(scanner_.position() - first));
+      pointed.push_back(text.find_first_of(".eE") != std::string_view::npos);
+    }
+  }
+
+  /// Colours before it is known whether they count to 1 or to 255.
+  struct Colors {
+    std::vector<std::array<double, 3>> list;
+    std::vector<double> alphas;
+    bool fractions = false;
+    double largest = 0;
+  };
+
+  void add_color(Colors& colors, const std::vector<double>& values, const std::vector<char>& pointed, std::size_t count,
+                 const char* element, std::uint64_t i) {
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!(values[k] >= 0 && values[k] <= 255))
+        scanner_.fail(fmt::format("colour value {} of {} {} is outside of 0 to 255", values[k], element, i));
+      colors.largest = std::max(colors.largest, values[k]);
+      colors.fractions = colors.fractions || pointed[k];
+    }
+    colors.list.push_back({values[0], values[1], values[2]});
+    if (count == 4) colors.alphas.push_back(values[3]);
+  }
+
+  std::vector<std::array<std::uint8_t, 3>> levels(const Colors& colors) {
     // Integers count to 255 and fractions to 1; a file of ones without a point can only be meant as fractions if no
     // value, alpha included, is larger.
-    const double scale = largest <= 1 ? 255 : 1;
-    if (fractions && largest > 1) info_.notes.emplace_back("colours with a fraction above 1 were taken as 0 to 255");
-    soup_.vertex_colors.reserve(colors.size());
-    for (const auto& c : colors)
-      soup_.vertex_colors.push_back({static_cast<std::uint8_t>(std::lround(c[0] * scale)),
-                                     static_cast<std::uint8_t>(std::lround(c[1] * scale)),
-                                     static_cast<std::uint8_t>(std::lround(c[2] * scale))});
+    const double scale = colors.largest <= 1 ? 255 : 1;
+    if (colors.fractions && colors.largest > 1) info_.notes.emplace_back("colours with a fraction above 1 were taken as 0 to 255");
+    for (const double alpha : colors.alphas) transparent_ += alpha * scale != 255;
+    std::vector<std::array<std::uint8_t, 3>> result;
+    result.reserve(colors.list.size());
+    for (const auto& c : colors.list) {
+      const auto level = [scale](double value) { return static_cast<std::uint8_t>(std::lround(value * scale)); };
+      result.push_back({level(c[0]), level(c[1]), level(c[2])});
+    }
+    return result;
+  }
+
+  void keep_face_colors() {
+    if (map_indices_ > 0)
+      info_.notes.push_back(fmt::format("the colours of {} faces, places in a colour map or no colours, are not kept", map_indices_));
+    if (face_colors_.list.empty()) return;
+    const auto colors = levels(face_colors_);
+    static constexpr const char* names[] = {"red", "green", "blue"};
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::vector<double>& values = soup_.face_scalars[names[k]];
+      values.assign(soup_.triangles.size(), std::numeric_limits<double>::quiet_NaN());
+      for (std::size_t i = 0; i < colors.size(); ++i)
+        for (std::size_t t = 0; t < colored_[i].count; ++t) values[colored_[i].first + t] = colors[i][k];
+    }
   }
 
   void faces(Context& context) {
     std::vector<std::uint32_t> corners;
+    std::vector<double> values;
+    std::vector<char> pointed;
     for (std::uint64_t i = 0; i < face_count_; ++i) {
       report(context, i);
       if (!scanner_.next_filled_line('#')) scanner_.fail(fmt::format("truncated: {} of {} faces", i, face_count_));
@@ -176,8 +231,16 @@ class OffParser {
               fmt::format("vertex index {} is not within 0 to {}", v, static_cast<std::int64_t>(vertex_count_) - 1));
         corners.push_back(static_cast<std::uint32_t>(v));
       }
-      collector_.add(corners);
-      colored_faces_ += !scanner_.at_line_end('#');
+      const std::size_t first = collector_.triangles(), count = collector_.add(corners);
+      if (!scanner_.at_line_end('#')) {
+        rest_of_line(values, pointed, "a colour");
+        if (values.size() == 3 || values.size() == 4) {
+          add_color(face_colors_, values, pointed, values.size(), "face", i);
+          colored_.push_back({first, count});
+        } else {
+          ++map_indices_;
+        }
+      }
       scanner_.next_line();
     }
   }
@@ -189,7 +252,13 @@ class OffParser {
   std::uint64_t vertex_count_ = 0;
   std::uint64_t face_count_ = 0;
   std::uint64_t extra_ = 0;
-  std::uint64_t colored_faces_ = 0;
+  std::vector<std::array<double, 2>> textures_;  // of vertices
+  struct Triangles {
+    std::size_t first, count;
+  };
+  std::vector<Triangles> colored_;  // made of the faces that have a colour
+  Colors face_colors_;
+  std::uint64_t map_indices_ = 0, transparent_ = 0;
   Soup soup_;
   PolygonCollector collector_;
 };
@@ -211,7 +280,9 @@ void write_off(AtomicFile& file, const Soup& soup, Context& context) {
   TextWriter out(file);
   const bool colors = !soup.vertex_colors.empty();
   const bool normals = !soup.vertex_normals.empty();
-  out << (colors ? "C" : "") << (normals ? "N" : "") << "OFF\n"
+  const auto textures = vertex_textures(soup);
+  const bool face_colors = has_face_colors(soup);
+  out << (textures.empty() ? "" : "ST") << (colors ? "C" : "") << (normals ? "N" : "") << "OFF\n"
       << soup.points.size() << ' ' << soup.triangles.size() << " 0\n";
   for (std::size_t i = 0; i < soup.points.size(); ++i) {
     if (i % checkpoint_interval == 0) context.checkpoint();
@@ -224,6 +295,7 @@ void write_off(AtomicFile& file, const Soup& soup, Context& context) {
       for (const std::uint8_t c : soup.vertex_colors[i]) out << ' ' << static_cast<int>(c);
       out << " 255";
     }
+    if (!textures.empty()) out << ' ' << textures[i][0] << ' ' << textures[i][1];
     out << '\n';
   }
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
@@ -232,7 +304,12 @@ void write_off(AtomicFile& file, const Soup& soup, Context& context) {
       context.progress("write", static_cast<double>(i) / static_cast<double>(soup.triangles.size()));
     }
     const Triangle& t = soup.triangles[i];
-    out << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
+    out << "3 " << t[0] << ' ' << t[1] << ' ' << t[2];
+    if (std::array<std::uint8_t, 3> color{}; face_colors && face_color(soup, i, color)) {
+      for (const std::uint8_t c : color) out << ' ' << static_cast<int>(c);
+      out << " 255";
+    }
+    out << '\n';
   }
 }
 

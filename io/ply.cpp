@@ -401,7 +401,7 @@ Soup parse_ply(std::string_view bytes, const std::string& file, Context& context
       return run(AsciiSource(bytes, header.size, file));
     case MeshEncoding::binary_little_endian:
       return run(BinarySource<false>(bytes, header.size, file));
-    case MeshEncoding::binary_big_endian:
+    default:
       break;
   }
   return run(BinarySource<true>(bytes, header.size, file));

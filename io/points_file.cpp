@@ -68,7 +68,8 @@ PointSet parse_points(std::string_view bytes, const std::string& name, Context& 
   const std::string extension = file_extension(name);
   const bool ply = bytes.starts_with("ply") && bytes.size() > 3 && (bytes[3] == '\n' || bytes[3] == '\r');
   PointSet set;
-  if (ply || extension == "ply" || extension == "stl" || extension == "obj" || extension == "off") {
+  static constexpr std::string_view meshes[] = {"ply", "stl", "obj", "off", "3mf", "gltf", "glb"};
+  if (ply || std::find(std::begin(meshes), std::end(meshes), extension) != std::end(meshes)) {
     set = from_mesh(bytes, name, context, what);
   } else if (has_pcd_header(bytes) || extension == "pcd") {
     set = parse_pcd(bytes, name, context, what);

@@ -38,7 +38,7 @@ struct PointsFileInfo {
   std::vector<std::string> notes;
 };
 
-/// Reads points from text (XYZ, ASC, CSV, TXT …), PLY, PCD, PTX or E57; the vertices of a mesh in STL, OBJ or OFF count
+/// Reads points from text (XYZ, ASC, CSV, TXT …), PLY, PCD, PTX or E57; the vertices of a mesh in STL, OBJ, OFF, 3MF or glTF count
 /// as points too. Coordinates are in the unit of the file.
 ///
 /// Text: one point a line, columns separated by blanks, tabs, commas or semicolons. A comma is the decimal point if

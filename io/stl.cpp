@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cfloat>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "io/float_rounding.hpp"
 #include "io/mesh_formats.hpp"
 #include "io/polygon.hpp"
 #include "io/text_number.hpp"
@@ -228,24 +228,13 @@ Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
 void write_binary(AtomicFile& file, const Soup& soup, Context& context, MeshWriteReport& report) {
   if (soup.triangles.size() > std::numeric_limits<std::uint32_t>::max())
     throw InvalidInput("a binary STL file counts its facets in 32 bits");
-  for (std::size_t i = 0; i < soup.points.size(); ++i) {
-    double rounding = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double x = soup.points[i][k];
-      if (std::abs(x) > static_cast<double>(FLT_MAX))
-        throw InvalidInput(fmt::format("vertex {}: {} is beyond the floats of a binary STL file", i, x));
-      rounding = std::max(rounding, std::abs(x - static_cast<double>(static_cast<float>(x))));
-    }
-    report.max_rounding = std::max(report.max_rounding, rounding);
-    report.rounded_vertices += rounding > 0;
-  }
+  note_rounding_to_floats(soup, "binary STL", report);
 
   std::array<char, 80> header{};
   constexpr std::string_view title = "binary STL written by tri";
   std::memcpy(header.data(), title.data(), title.size());
   file.write({header.data(), header.size()});
   file.write_value(static_cast<std::uint32_t>(soup.triangles.size()));
-  std::uint64_t collapsed = 0;
   const auto attribute = soup.face_scalars.find("attribute");
   const bool with_attribute = attribute != soup.face_scalars.end() && is_stl_attribute(attribute->second);
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
@@ -260,22 +249,10 @@ void write_binary(AtomicFile& file, const Soup& soup, Context& context, MeshWrit
       facet[k + 1] = to_floats(soup.points[triangle[k]]);
       rounded[k] = Vec3(facet[k + 1][0], facet[k + 1][1], facet[k + 1][2]);
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t l = (k + 1) % 3;
-      if (rounded[k] == rounded[l] && soup.points[triangle[k]] != soup.points[triangle[l]]) {
-        ++collapsed;
-        break;
-      }
-    }
     facet[0] = to_floats(unit_normal(rounded[0], rounded[1], rounded[2]));
     file.write_value(facet);
     file.write_value(with_attribute ? static_cast<std::uint16_t>(attribute->second[i]) : std::uint16_t{0});
   }
-  if (report.rounded_vertices > 0)
-    report.notes.push_back(
-        fmt::format("coordinates were rounded to the floats of binary STL: {} of {} vertices, by at most {:.3g}",
-                    report.rounded_vertices, soup.points.size(), report.max_rounding));
-  if (collapsed > 0) report.notes.push_back(fmt::format("by that rounding {} triangles lost their area", collapsed));
 }
 
 void write_ascii(AtomicFile& file, const Soup& soup, Context& context) {

@@ -3,6 +3,9 @@
 #include <filesystem>
 
 #include "fuzz/invariants.hpp"
+#ifdef TRI_WITH_3MF
+#include "io/zip_archive.hpp"
+#endif
 #include "temporary_folder.hpp"
 
 using namespace tri;
@@ -17,6 +20,10 @@ TEST_CASE("fuzz corpus: every file is read consistently or refused with an IoErr
     bool fine = false;
     if (format == "points" || format == "ptx" || format == "e57")
       CHECK_NOTHROW(fine = fuzz::read_as_points(bytes, "input." + (format == "points" ? "xyz" : format)));
+#ifdef TRI_WITH_3MF
+    else if (format == "3mf" && !bytes.starts_with("PK"))  // the model within the archive
+      CHECK_NOTHROW(fine = fuzz::read_as_mesh(io_detail::zip_of({{"3D/3dmodel.model", bytes}}, "input.3mf"), "input.3mf"));
+#endif
     else
       CHECK_NOTHROW(fine = fuzz::read_as_mesh(bytes, "input." + format));
     accepted += fine;

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "mesh_io_helpers.hpp"
 
 using namespace tri;
@@ -55,10 +57,35 @@ TEST_CASE("obj: normals are kept where each vertex has one of its own") {
   const Soup soup =
       parsed("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//2\nf 3//2 2//1 1//1\n", "a.obj");
   CHECK(soup.vertex_normals == std::vector<Vec3>{{0, 0, 1}, {0, 0, 1}, {0, 1, 0}});
-  MeshFileInfo info;
-  CHECK(parsed("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 2//1 3//1\n", "a.obj", &info)
-            .vertex_normals.empty());
-  CHECK(has_note(info.notes, "normals are not kept"));
+}
+
+TEST_CASE("obj: where a vertex has several normals they stay with the corners, and come back as they were written") {
+  const std::string text = vertices + "vn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 2//1 4//2\nf 2 3 4\n";
+  const Soup soup = parsed(text, "a.obj");
+  CHECK(soup.vertex_normals.empty());
+  REQUIRE(soup.triangles.size() == 3);
+  CHECK(soup.corner_scalars.size() == 3);
+  for (std::size_t c = 0; c < 9; ++c) {
+    CAPTURE(c);
+    if (c >= 6) CHECK(std::isnan(soup.corner_scalars.at("nz")[c]));
+    if (c < 6) CHECK(soup.corner_scalars.at("nz")[c] == (c == 3 || c == 5 ? 0 : 1));
+    if (c < 6) CHECK(soup.corner_scalars.at("ny")[c] == (c == 3 || c == 5 ? 1 : 0));
+  }
+  const Soup back = round_trip(soup, "a.obj");
+  for (const char* name : {"nx", "ny", "nz"})
+    for (std::size_t c = 0; c < 6; ++c) CHECK(back.corner_scalars.at(name)[c] == soup.corner_scalars.at(name)[c]);
+}
+
+TEST_CASE("obj: what a name cannot say, and a triangle after its part has ended, are named") {
+  Soup soup = parsed(vertices + "f 1 2 3\nf 2 3 4\nf 1 2 4\n", "a.obj");
+  soup.face_scalars["group"] = {0, -1, 1};
+  soup.face_labels["group"] = {"two\nlines", "plain"};
+  TemporaryFolder folder;
+  Context context;
+  const MeshWriteReport report = write_mesh(folder / "a.obj", soup, {}, context);
+  CHECK(has_note(report.notes, "1 triangles without a group"));
+  CHECK(has_note(report.notes, "1 names of a group"));
+  CHECK(read_mesh(folder / "a.obj", context).face_labels.at("group") == std::vector<std::string>{"two lines", "plain"});
 }
 
 TEST_CASE("obj: groups become parts; what is not kept is counted") {

@@ -43,6 +43,8 @@ inline bool read_as_mesh(std::string_view bytes, const std::string& name) {
   for (const auto& scalar : soup.vertex_scalars) require(scalar.second.size() == n, "a scalar for each vertex");
   for (const auto& scalar : soup.face_scalars)
     require(scalar.second.size() == soup.triangles.size(), "a scalar for each face");
+  for (const auto& scalar : soup.corner_scalars)
+    require(scalar.second.size() == 3 * soup.triangles.size(), "a scalar for each corner");
   require(info.polygons <= soup.triangles.size(), "a triangle for each polygon");
   return true;
 }
