@@ -100,6 +100,7 @@ class ModelWriter {
   void object(std::size_t number, const PartRun& run, std::size_t begin, std::size_t end) {
     out_ += fmt::format("<object id=\"{}\" type=\"model\"", first_object + number);
     if (const std::string* name = label_name(soup_, "object", run.label)) out_ += fmt::format(" name=\"{}\"", xml_text(*name));
+    if (run.begin < run.end && all_have_properties(run)) out_ += " pid=\"1\" pindex=\"0\"";
     out_ += ">\n<mesh>\n<vertices>\n";
     for (std::size_t i = begin; i < end; ++i) {
       if (i % checkpoint_interval == 0) context_.checkpoint();
@@ -124,6 +125,13 @@ class ModelWriter {
       out_ += "\"/>\n";
     }
     out_ += "</triangles>\n</mesh>\n</object>\n";
+  }
+
+  /// Then the object has to name one as well, by the specification; what it names would fall to triangles without one.
+  bool all_have_properties(const PartRun& run) const {
+    if (!soup_.vertex_colors.empty()) return true;
+    const auto begin = entry_.begin() + static_cast<std::ptrdiff_t>(run.begin);
+    return std::all_of(begin, begin + static_cast<std::ptrdiff_t>(run.end - run.begin), [](std::int64_t e) { return e >= 0; });
   }
 
   void property(std::size_t triangle) {

@@ -113,6 +113,81 @@ void link_boundary(OpenMesh::TriConnectivity& mesh, VertexHandle v, const std::v
   mesh.set_halfedge_handle(v, out[0]);
 }
 
+/// Gives every new face the properties of a face beside it: of the mesh, else of a new one that has them already.
+/// @param halfedge  of the new faces, three each
+void inherit_face_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge, int first_face) {
+  const std::size_t count = halfedge.size() / 3;
+  std::vector<char> has(count, 0);
+  std::vector<int> ready;  // new faces that have theirs
+  const auto inherit = [&](FaceHandle from, int to) {
+    mesh.copy_all_properties(from, FaceHandle(first_face + to), true);
+    mesh.status(FaceHandle(first_face + to)) = OpenMesh::Attributes::StatusInfo();
+    has[static_cast<std::size_t>(to)] = 1;
+    ready.push_back(to);
+  };
+  const auto beside = [&](int t, int k) {
+    return mesh.face_handle(mesh.opposite_halfedge_handle(halfedge[static_cast<std::size_t>(3 * t + k)]));
+  };
+  for (int t = 0; t < static_cast<int>(count); ++t) {
+    FaceHandle source;
+    for (int k = 0; k < 3; ++k) {
+      const FaceHandle f = beside(t, k);
+      if (f.is_valid() && f.idx() < first_face && (!source.is_valid() || f.idx() < source.idx())) source = f;
+    }
+    if (source.is_valid()) inherit(source, t);
+  }
+  for (std::size_t i = 0; i < ready.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const FaceHandle f = beside(ready[i], k);
+      if (f.is_valid() && f.idx() >= first_face && !has[static_cast<std::size_t>(f.idx() - first_face)])
+        inherit(FaceHandle(first_face + ready[i]), f.idx() - first_face);
+    }
+}
+
+/// Gives the corners of new faces the values of the nearest corner of the mesh at the same vertex, counted in faces around it;
+/// of two as near that beyond the next side.
+void inherit_corner_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge, int first_face) {
+  bool any = false;
+  for_each_corner_property(mesh, [&](OpenMesh::BaseProperty&) { any = true; });
+  if (!any) return;
+  std::vector<int> vertices;
+  for (const HalfedgeHandle h : halfedge) vertices.push_back(mesh.to_vertex_handle(h).idx());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  std::vector<HalfedgeHandle> ring;  // the sides that end in a vertex, in their order around it
+  std::vector<int> steps;            // from the corner of the mesh whose values it gets; none: far
+  constexpr int far = std::numeric_limits<int>::max();
+  for (const int v : vertices) {
+    ring.clear();
+    for (const HalfedgeHandle h : mesh.vih_range(VertexHandle(v))) ring.push_back(h);
+    const auto n = static_cast<int>(ring.size());
+    const auto side = [&](int i) { return ring[static_cast<std::size_t>((i % n + n) % n)]; };
+    std::vector<HalfedgeHandle> source(ring.size());
+    steps.assign(ring.size(), far);
+    // Around twice in each direction: a way may lead across where the ring begins, but never across a boundary.
+    for (const int direction : {-1, 1}) {
+      HalfedgeHandle last;
+      int distance = 0;
+      for (int i = 0; i < 2 * n; ++i) {
+        const HalfedgeHandle h = side(direction * i);
+        const auto at = static_cast<std::size_t>((direction * i % n + n) % n);
+        const FaceHandle f = mesh.face_handle(h);
+        if (!f.is_valid()) {
+          last.invalidate();
+        } else if (f.idx() < first_face) {
+          last = h;
+          distance = 0;
+        } else if (last.is_valid() && ++distance < steps[at]) {
+          steps[at] = distance;
+          source[at] = last;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      if (source[i].is_valid()) copy_corner_values(mesh, source[i], ring[i]);
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(FitResult result) {
@@ -213,26 +288,10 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const FaceHandle f(first_face + static_cast<int>(t));
     mesh.set_halfedge_handle(f, halfedge[3 * t]);
-    FaceHandle source;
     for (int k = 0; k < 3; ++k) {
       const HalfedgeHandle h = halfedge[3 * t + k];
-      const FaceHandle beside = mesh.face_handle(mesh.opposite_halfedge_handle(h));
-      if (beside.is_valid() && (!source.is_valid() || beside.idx() < source.idx())) source = beside;
       mesh.set_face_handle(h, f);
       mesh.set_next_halfedge_handle(h, halfedge[3 * t + (k + 1) % 3]);
-    }
-    if (source.is_valid()) {
-      mesh.copy_all_properties(source, f, true);
-      mesh.status(f) = OpenMesh::Attributes::StatusInfo();
-    }
-    for (int k = 0; k < 3; ++k) {
-      const HalfedgeHandle h = halfedge[3 * t + k];
-      // The corner where it ends, in the face beyond the next side or beyond its own.
-      const HalfedgeHandle after = mesh.opposite_halfedge_handle(halfedge[3 * t + (k + 1) % 3]), own = mesh.opposite_halfedge_handle(h);
-      if (mesh.face_handle(after).is_valid())
-        copy_corner_values(mesh, after, h);
-      else if (mesh.face_handle(own).is_valid())
-        copy_corner_values(mesh, mesh.prev_halfedge_handle(own), h);
     }
     if (added) added->push_back(f);
   }
@@ -246,6 +305,8 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
       if (outgoing[i].second.is_valid()) around.push_back(outgoing[i].second);
     link_boundary(mesh, VertexHandle(v), around);
   }
+  inherit_face_values(mesh, halfedge, first_face);
+  inherit_corner_values(mesh, halfedge, first_face);
   return FitResult::fits;
 }
 

@@ -3,27 +3,19 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-#include <functional>
-#include <map>
 #include <string>
 
+#include "attribute_checks.hpp"
+#include "contract.hpp"
 #include "mesh_check.hpp"
-#include "meshops/error.hpp"
-#include "meshops/registry.hpp"
+#include "meshops/build_mesh.hpp"
+#include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
 using namespace tri::test;
 
 namespace {
-
-std::vector<const Operator*> mesh_operators() {
-  std::vector<const Operator*> result;
-  for (const auto& op : Registry::standard().operators())
-    if (op->domain() == Domain::mesh && op->result() == Domain::mesh) result.push_back(op.get());
-  return result;
-}
 
 /// Inputs on which most operators find something to do.
 std::vector<std::pair<std::string, Mesh>> inputs() {
@@ -41,18 +33,17 @@ std::vector<std::pair<std::string, Mesh>> inputs() {
   return result;
 }
 
-Report run(const Operator& op, MeshView view, Context& context) {
-  const std::shared_ptr<void> options = op.schema().make();
-  return op.run(view, options.get(), context);
-}
+struct MeshKind {
+  using Value = Mesh;
+  static constexpr Domain domain = Domain::mesh;
+  static constexpr int cancel_threads = 0;
+  static std::vector<std::pair<std::string, Mesh>> inputs() { return ::inputs(); }
+  static Mesh valid() { return bumpy_grid(4, 4); }
+  static bool same(Mesh& a, Mesh& b) { return snapshot(view_of(a)) == snapshot(view_of(b)); }
+  static void check_cancelled(Mesh& after, Mesh&) { CHECK_VALID_MESH(after); }
+};
 
-/// The counts and lists of two reports are equal; time aside.
-bool same(const Report& a, const Report& b) {
-  return a.vertices_added == b.vertices_added && a.vertices_removed == b.vertices_removed &&
-         a.vertices_moved == b.vertices_moved && a.faces_added == b.faces_added && a.faces_removed == b.faces_removed &&
-         a.edges_flipped == b.edges_flipped && a.skipped == b.skipped && a.figures == b.figures && a.notes == b.notes &&
-         a.touched_vertices == b.touched_vertices && a.touched_faces == b.touched_faces;
-}
+std::vector<const Operator*> mesh_operators() { return operators_of(Domain::mesh); }
 
 int alive_faces(const OpenMesh::TriConnectivity& mesh) {
   int faces = 0;
@@ -64,17 +55,6 @@ int alive_vertices(const OpenMesh::TriConnectivity& mesh) {
   for (std::size_t i = 0; i < mesh.n_vertices(); ++i)
     vertices += !mesh.status(VertexHandle(static_cast<int>(i))).deleted();
   return vertices;
-}
-
-/// Calls `check` for every operator on every input, with both named.
-void for_all(const std::function<void(const Operator&, const Mesh&)>& check) {
-  for (const Operator* op : mesh_operators()) {
-    CAPTURE(op->name());
-    for (const auto& input : inputs()) {
-      CAPTURE(input.first);
-      check(*op, input.second);
-    }
-  }
 }
 
 /// An editor's kernel: float points, no status of its own, properties and attributes of its own.
@@ -108,7 +88,7 @@ TEST_CASE("contract: the empty mesh is left empty, with a zero report") {
     CAPTURE(op->name());
     Mesh mesh;
     Context context;
-    const Report report = run(*op, view_of(mesh), context);
+    const Report report = run(*op, mesh, context);
     CHECK(report.unchanged());
     CHECK(report.operation == op->name());
     CHECK(mesh.n_vertices() == 0);
@@ -123,7 +103,7 @@ TEST_CASE("contract: a mesh that needs nothing is returned bit for bit, with a z
     Mesh mesh = icosahedron();
     const Snapshot before = snapshot(view_of(mesh));
     Context context;
-    const Report report = run(*op, view_of(mesh), context);
+    const Report report = run(*op, mesh, context);
     CHECK(report.unchanged());
     CHECK(report.touched_vertices.empty());
     CHECK(report.touched_faces.empty());
@@ -133,12 +113,12 @@ TEST_CASE("contract: a mesh that needs nothing is returned bit for bit, with a z
 }
 
 TEST_CASE("contract: the mesh is valid afterwards, and the report counts what changed") {
-  for_all([](const Operator& op, const Mesh& input) {
+  for_all<MeshKind>([](const Operator& op, const Mesh& input) {
     REQUIRE(mesh_problems(input).empty());
     Mesh mesh = input;
     const Snapshot before = snapshot(view_of(mesh));
     Context context;
-    const Report report = run(op, view_of(mesh), context);
+    const Report report = run(op, mesh, context);
     CHECK_VALID_MESH(mesh);
     CHECK(mesh.has_vertex_status());
     if (op.promises().keeps_handles) {
@@ -159,95 +139,16 @@ TEST_CASE("contract: the mesh is valid afterwards, and the report counts what ch
   });
 }
 
-TEST_CASE("contract: a second run changes nothing, where promised") {
-  for_all([](const Operator& op, const Mesh& input) {
-    if (!op.promises().idempotent) return;
-    Mesh mesh = input;
-    Context context;
-    run(op, view_of(mesh), context);
-    const Snapshot once = snapshot(view_of(mesh));
-    CHECK(run(op, view_of(mesh), context).unchanged());
-    CHECK(snapshot(view_of(mesh)) == once);
-  });
-}
+TEST_CASE("contract: a second run changes nothing, where promised") { check_second_run<MeshKind>(); }
 
-TEST_CASE("contract: the result does not depend on the number of threads, and a run can be repeated") {
-  for_all([](const Operator& op, const Mesh& input) {
-    Mesh first = input;
-    Context one;
-    one.threads = 1;
-    const Report expected = run(op, view_of(first), one);
-    for (const int threads : {1, 2, 5}) {
-      Mesh mesh = input;
-      Context context;
-      context.threads = threads;
-      const Report report = run(op, view_of(mesh), context);
-      CHECK(same(report, expected));
-      CHECK(snapshot(view_of(mesh)) == snapshot(view_of(first)));
-    }
-  });
-}
+TEST_CASE("contract: the result does not depend on the number of threads, and a run can be repeated") { check_threads<MeshKind>(); }
 
-TEST_CASE("contract: cancelled at any checkpoint, the mesh is valid; progress never goes backwards") {
-  for_all([](const Operator& op, const Mesh& input) {
-    int checkpoints = 0;
-    {
-      Mesh mesh = input;
-      Context context;
-      context.on_checkpoint = [&] { ++checkpoints; };
-      std::map<std::string, double> share;
-      context.on_progress = [&](std::string_view step, double done) {
-        double& before = share.try_emplace(std::string(step), 0.0).first->second;
-        CHECK(done >= before);
-        CHECK(done <= 1);
-        before = done;
-      };
-      run(op, view_of(mesh), context);
-    }
-    CHECK(checkpoints > 0);
-    for (int stop = 1; stop <= std::min(checkpoints, 40); ++stop) {
-      CAPTURE(stop);
-      Mesh mesh = input;
-      Context context;
-      int seen = 0;
-      context.on_checkpoint = [&] {
-        if (++seen == stop) context.cancel();
-      };
-      CHECK_THROWS_AS(run(op, view_of(mesh), context), Cancelled);
-      CHECK_VALID_MESH(mesh);
-    }
-  });
-}
+TEST_CASE("contract: cancelled at any checkpoint, the mesh is valid; progress never goes backwards") { check_cancel<MeshKind>(); }
 
-TEST_CASE("contract: an option out of range is refused and the mesh untouched") {
-  for (const Operator* op : mesh_operators()) {
-    CAPTURE(op->name());
-    for (const auto& entry : op->schema().entries()) {
-      CAPTURE(entry.info.name);
-      std::vector<OptionValue> wrong;
-      if (entry.info.type == OptionInfo::Type::number) {
-        wrong.push_back(std::nan(""));
-        if (entry.info.minimum > -1e300) wrong.push_back(entry.info.minimum - 1);
-        if (entry.info.maximum < 1e300) wrong.push_back(entry.info.maximum + 1);
-      } else if (entry.info.type == OptionInfo::Type::integer) {
-        if (entry.info.minimum > -2147483648.0) wrong.push_back(static_cast<std::int64_t>(entry.info.minimum) - 1);
-        if (entry.info.maximum < 2147483647.0) wrong.push_back(static_cast<std::int64_t>(entry.info.maximum) + 1);
-      }
-      for (const OptionValue& value : wrong) {
-        Mesh mesh = bumpy_grid(4, 4);
-        const Snapshot before = snapshot(view_of(mesh));
-        const std::shared_ptr<void> options = op->schema().make();
-        entry.set(options.get(), value);
-        Context context;
-        CHECK_THROWS_AS(op->run(view_of(mesh), options.get(), context), InvalidInput);
-        CHECK(snapshot(view_of(mesh)) == before);
-      }
-    }
-  }
-}
+TEST_CASE("contract: an option out of range is refused and the mesh untouched") { check_options<MeshKind>(); }
 
 TEST_CASE("contract: an editor's float kernel keeps its properties, selection and traits") {
-  for_all([](const Operator& op, const Mesh& input) {
+  for_all<MeshKind>([](const Operator& op, const Mesh& input) {
     EditorMesh mesh = editor_mesh(input);
     OpenMesh::VPropHandleT<int> id;
     OpenMesh::FPropHandleT<std::string> label;
@@ -295,7 +196,7 @@ TEST_CASE("contract: an editor's float kernel keeps its properties, selection an
 }
 
 TEST_CASE("contract: the float kernel gives the same as the double kernel with the same positions") {
-  for_all([](const Operator& op, const Mesh& input) {
+  for_all<MeshKind>([](const Operator& op, const Mesh& input) {
     EditorMesh editor = editor_mesh(input);
     Mesh mesh;
     for (const VertexHandle v : editor.vertices()) mesh.add_vertex(OpenMesh::vector_cast<Vec3>(editor.point(v)));
@@ -305,9 +206,9 @@ TEST_CASE("contract: the float kernel gives the same as the double kernel with t
       mesh.add_face(corners);
     }
     Context context;
-    const Report expected = run(op, view_of(mesh), context);
+    const Report expected = run(op, mesh, context);
     MeshLease lease(editor);
-    CHECK(same(run(op, lease.view(), context), expected));
+    CHECK(same_report(run(op, lease.view(), context), expected));
     CHECK(snapshot(lease.view()) == snapshot(view_of(mesh)));
   });
 }
@@ -335,4 +236,22 @@ TEST_CASE("contract: a kernel without status gets it for the time of the lease, 
     const bool left_deleted = op->promises().keeps_handles && report.faces_removed + report.vertices_removed > 0;
     CHECK(mesh.has_vertex_status() == left_deleted);
   }
+}
+
+TEST_CASE("contract: attributes of elements that stay are kept, those of new ones made of their neighbours'") {
+  for_all<MeshKind>([](const Operator& op, const Mesh& input) {
+    Mesh source = input;
+    const Soup before = with_attributes(to_soup(view_of(source)));
+    Context context;
+    BuiltMesh built = build_mesh(before, context);
+    const Report report = run(op, built.mesh, context);
+    check_attributes(to_soup(view_of(built.mesh)), before, report.vertices_moved > 0);
+    if (!op.promises().keeps_handles) return;
+    OpenMesh::FPropHandleT<double> id;
+    REQUIRE(built.mesh.get_property_handle(id, "f:id"));
+    int changed = 0;
+    for (int f = 0; f < static_cast<int>(before.triangles.size()); ++f)
+      changed += !built.mesh.status(FaceHandle(f)).deleted() && built.mesh.property(id, FaceHandle(f)) != f;
+    CHECK(changed == 0);
+  });
 }

@@ -4,23 +4,14 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <functional>
-#include <map>
 #include <random>
 
-#include "meshops/error.hpp"
-#include "meshops/registry.hpp"
+#include "contract.hpp"
 
 using namespace tri;
+using namespace tri::test;
 
 namespace {
-
-std::vector<const Operator*> points_operators() {
-  std::vector<const Operator*> result;
-  for (const auto& op : Registry::standard().operators())
-    if (op->domain() == Domain::points) result.push_back(op.get());
-  return result;
-}
 
 /// Every column, each telling the index of its point.
 PointSet with_columns(std::vector<Vec3> points) {
@@ -58,26 +49,17 @@ bool same_set(const PointSet& a, const PointSet& b) {
          a.scalars == b.scalars;
 }
 
-bool same(const Report& a, const Report& b) {
-  return a.vertices_removed == b.vertices_removed && a.vertices_moved == b.vertices_moved && a.figures == b.figures &&
-         a.skipped == b.skipped && a.notes == b.notes && a.maps.vertices == b.maps.vertices;
-}
+struct PointsKind {
+  using Value = PointSet;
+  static constexpr Domain domain = Domain::points;
+  static constexpr int cancel_threads = 1;
+  static std::vector<std::pair<std::string, PointSet>> inputs() { return ::inputs(); }
+  static PointSet valid() { return ::inputs()[0].second; }
+  static bool same(const PointSet& a, const PointSet& b) { return same_set(a, b); }
+  static void check_cancelled(const PointSet& after, const PointSet& before) { CHECK(same_set(after, before)); }
+};
 
-Report run(const Operator& op, PointSet& set, Context& context) {
-  const std::shared_ptr<void> options = op.schema().make();
-  return op.run(set, options.get(), context);
-}
-
-void for_all(const std::function<void(const Operator&, const PointSet&)>& check) {
-  REQUIRE_FALSE(points_operators().empty());
-  for (const Operator* op : points_operators()) {
-    CAPTURE(op->name());
-    for (const auto& input : inputs()) {
-      CAPTURE(input.first);
-      check(*op, input.second);
-    }
-  }
-}
+std::vector<const Operator*> points_operators() { return operators_of(Domain::points); }
 
 }  // namespace
 
@@ -94,7 +76,7 @@ TEST_CASE("points contract: the empty set is left empty, with a zero report") {
 }
 
 TEST_CASE("points contract: points that stay are measured ones with all their columns, in their order, and counted") {
-  for_all([](const Operator& op, const PointSet& input) {
+  for_all<PointsKind>([](const Operator& op, const PointSet& input) {
     PointSet set = input;
     Context context;
     const Report report = run(op, set, context);
@@ -123,84 +105,19 @@ TEST_CASE("points contract: points that stay are measured ones with all their co
   });
 }
 
-TEST_CASE("points contract: a second run changes nothing, where promised") {
-  for_all([](const Operator& op, const PointSet& input) {
-    if (!op.promises().idempotent) return;
-    PointSet set = input;
-    Context context;
-    run(op, set, context);
-    const PointSet once = set;
-    CHECK(run(op, set, context).unchanged());
-    CHECK(same_set(set, once));
-  });
-}
+TEST_CASE("points contract: a second run changes nothing, where promised") { check_second_run<PointsKind>(); }
 
-TEST_CASE("points contract: the result does not depend on the number of threads") {
-  for_all([](const Operator& op, const PointSet& input) {
-    PointSet first = input;
-    Context one;
-    one.threads = 1;
-    const Report expected = run(op, first, one);
-    for (const int threads : {2, 5}) {
-      PointSet set = input;
-      Context context;
-      context.threads = threads;
-      CHECK(same(run(op, set, context), expected));
-      CHECK(same_set(set, first));
-    }
-  });
-}
+TEST_CASE("points contract: the result does not depend on the number of threads") { check_threads<PointsKind>(); }
 
-TEST_CASE("points contract: cancelled at any checkpoint, the set is as it was; progress never goes backwards") {
-  for_all([](const Operator& op, const PointSet& input) {
-    int checkpoints = 0;
-    {
-      PointSet set = input;
-      Context context;
-      context.threads = 1;
-      context.on_checkpoint = [&] { ++checkpoints; };
-      std::map<std::string, double> share;
-      context.on_progress = [&](std::string_view step, double done) {
-        double& before = share.try_emplace(std::string(step), 0.0).first->second;
-        CHECK(done >= before);
-        CHECK(done <= 1);
-        before = done;
-      };
-      run(op, set, context);
-    }
-    CHECK(checkpoints > 0);
-    for (int stop = 1; stop <= std::min(checkpoints, 40); ++stop) {
-      PointSet set = input;
-      Context context;
-      context.threads = 1;
-      int seen = 0;
-      context.on_checkpoint = [&] {
-        if (++seen == stop) context.cancel();
-      };
-      CHECK_THROWS_AS(run(op, set, context), Cancelled);
-      CHECK(same_set(set, input));
-    }
-  });
-}
+TEST_CASE("points contract: cancelled at any checkpoint, the set is as it was; progress never goes backwards") { check_cancel<PointsKind>(); }
 
-TEST_CASE("points contract: an option out of range, or an inconsistent set, is refused and nothing is touched") {
+TEST_CASE("points contract: an option out of range is refused and nothing is touched") { check_options<PointsKind>(); }
+
+TEST_CASE("points contract: an inconsistent set is refused") {
   for (const Operator* op : points_operators()) {
     CAPTURE(op->name());
     const PointSet input = inputs()[0].second;
     Context context;
-    for (const auto& entry : op->schema().entries()) {
-      CAPTURE(entry.info.name);
-      std::vector<OptionValue> wrong;
-      if (entry.info.type == OptionInfo::Type::number) wrong = {std::nan(""), entry.info.minimum - 1};
-      if (entry.info.type == OptionInfo::Type::integer) wrong = {static_cast<std::int64_t>(entry.info.minimum) - 1};
-      for (const OptionValue& value : wrong) {
-        PointSet set = input;
-        const std::shared_ptr<void> options = op->schema().make();
-        entry.set(options.get(), value);
-        CHECK_THROWS_AS(op->run(set, options.get(), context), InvalidInput);
-        CHECK(same_set(set, input));
-      }
-    }
     PointSet wrong_length = input, not_finite = input;
     wrong_length.colors.pop_back();
     not_finite.points[3][1] = std::nan("");
