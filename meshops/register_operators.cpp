@@ -36,7 +36,7 @@ void register_operators(Registry& registry) {
   registry.add("extract-boundaries", extract_boundaries, "Finds the boundary loops and writes them as properties");
   registry.add("fair", fair, "Moves chosen vertices to the fairest surface between those that stay");
   registry.add("fill-holes", fill_holes, "Triangulates boundary loops of bounded size");
-  registry.add("flip-diagonals", flip_diagonals, "Flips edges for smoothness where they are sharp, for shape elsewhere");
+  registry.add("flip-diagonals", flip_diagonals, "Flips edges: for smoothness and shape, to Delaunay, or to the least curvature");
   registry.add("make-solid", make_solid,
                "Closes, untangles and thickens: any triangles become the boundary of a solid");
   registry.add("orient", orient, "Turns triangles so that neighbours agree and solids face outward");

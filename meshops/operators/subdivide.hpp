@@ -30,7 +30,8 @@ struct SubdivideOptions {
 /// Splits every triangle into four, at new vertices on its edges.
 ///
 /// `midpoint` puts them into the middle of the edges and moves nothing; `butterfly` moves no old vertex either, and
-/// puts the new ones where a smooth surface through the old ones would run (`butterfly_edge_point`). `loop` smooths: it
+/// puts the new ones where a smooth surface through the old ones would run (`butterfly_edge_point`; where
+/// triangles are very uneven it makes waves, and may fold small ones over). `loop` smooths: it
 /// moves the old vertices as well (`loop_edge_point`, `loop_vertex_point`). Boundary and creases become curves of their
 /// own, for loop cubic B-splines [Hoppe et al. 1994, "Piecewise smooth surface reconstruction", without its special
 /// weights beside corners]; corners stay; where a crease fades out it is smooth. Which edges and vertices these are is
