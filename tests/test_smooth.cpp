@@ -307,6 +307,25 @@ TEST_CASE("smooth: max-distance bounds how far a vertex ends from its start") {
   }
 }
 
+TEST_CASE("smooth: no triangle is folded over, though the mean of the neighbours lies outside") {
+  // An L with all its corners around one vertex, whose mean is in the notch.
+  const std::vector<Vec3> points{{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {1, 1, 0}, {1, 4, 0}, {0, 4, 0}, {0.8, 0.8, 0}};
+  std::vector<std::array<int, 3>> triangles;
+  for (int i = 0; i < 6; ++i) triangles.push_back({i, (i + 1) % 6, 6});
+  for (const SmoothMethod method : methods) {
+    Mesh mesh = make_mesh(points, triangles);
+    const Report report = run(mesh, {.method = method, .iterations = 40});
+    if (method == SmoothMethod::laplace) CHECK(report.figures.at("held back from folding") == 1);
+    CHECK(report.vertices_moved == 1);
+    for (const FaceHandle f : mesh.faces()) CHECK(mesh.calc_face_normal(f)[2] > 0);
+  }
+  // Folds that were there may go.
+  Mesh folded = grid(8, 8);
+  folded.point(VertexHandle(40)) += Vec3(1.3, 0.2, 0);
+  run(folded);
+  for (const FaceHandle f : folded.faces()) CHECK(folded.calc_face_normal(f)[2] > 0);
+}
+
 TEST_CASE("smooth: no NaN on triangles without area, and nothing leaves the hull") {
   for (const SmoothMethod method : methods) {
     CAPTURE(static_cast<int>(method));

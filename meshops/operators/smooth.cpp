@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <deque>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,7 @@ namespace tri {
 namespace {
 
 constexpr std::size_t block_size = 4096;
+constexpr int steps_back = 4;  ///< of which the last goes all the way
 constexpr double pass_band = 0.1;
 constexpr double strongest_taubin = 0.65;  ///< from about 0.7 on the step back outgrows the one forward
 
@@ -42,6 +45,7 @@ class Smoother {
       flow();
     else
       average();
+    hold_back();
     describe();
     store();
     context_.progress("smooth", 1);
@@ -64,7 +68,7 @@ class Smoother {
 
   /// Which vertices move, and by which neighbours.
   void sort_vertices() {
-    const Features features = find_features(
+    features_ = find_features(
         view_,
         {.angle = options_.feature_angle, .noise = Noise::unknown, .min_crease_edges = options_.min_feature_edges},
         context_);
@@ -74,7 +78,7 @@ class Smoother {
       const VertexHandle v(static_cast<int>(i));
       if (mesh_.status(v).deleted() || mesh_.is_isolated(v) || !view_.may_move(v)) continue;
       ++alive;
-      const VertexClass c = features[v];
+      const VertexClass c = features_[v];
       creased +=
           c == VertexClass::crease || c == VertexClass::dart || (c == VertexClass::corner && !mesh_.is_boundary(v));
       if (!is_finite(before_[i])) {
@@ -97,7 +101,7 @@ class Smoother {
           "{} of {} vertices lie on creases; if these are noise, a larger feature-angle lets them go", creased, alive));
     rows_ = vertex_rows(view_, context_, [&](VertexHandle v, HalfedgeHandle h) {
       const Part part = parts_[static_cast<std::size_t>(v.idx())];
-      return part != Part::fixed && (part == Part::surface || features.is_feature(mesh_.edge_handle(h))) &&
+      return part != Part::fixed && (part == Part::surface || features_.is_feature(mesh_.edge_handle(h))) &&
              is_finite(before_[static_cast<std::size_t>(mesh_.to_vertex_handle(h).idx())]);
     });
   }
@@ -160,6 +164,72 @@ class Smoother {
       });
     }
     context_.progress("smooth", 0.95 * (iteration + 1) / options_.iterations);
+  }
+
+  /// Twice the vector area.
+  Vec3 normal(const std::vector<Vec3>& points, FaceHandle f) const {
+    const HalfedgeHandle h = mesh_.halfedge_handle(f);
+    const auto at = [&](HalfedgeHandle k) -> const Vec3& { return points[mesh_.to_vertex_handle(k).idx()]; };
+    const Vec3& p = at(h);
+    return (at(mesh_.next_halfedge_handle(h)) - p) % (at(mesh_.prev_halfedge_handle(h)) - p);
+  }
+
+  /// Calls `f(face)` for the triangles beyond the sides of a triangle, but not beyond features.
+  template <class F>
+  void for_each_beyond(FaceHandle face, const F& f) const {
+    HalfedgeHandle h = mesh_.halfedge_handle(face);
+    for (int k = 0; k < 3; ++k, h = mesh_.next_halfedge_handle(h))
+      if (!features_.is_feature(mesh_.edge_handle(h))) f(mesh_.face_handle(mesh_.opposite_halfedge_handle(h)));
+  }
+
+  /// Faces away from what lies beside it.
+  bool is_folded(const std::vector<Vec3>& points, FaceHandle f) const {
+    Vec3 beside(0, 0, 0);
+    for_each_beyond(f, [&](FaceHandle other) { beside += normal(points, other); });
+    return (normal(points, f) | beside) < 0;
+  }
+
+  /// Takes vertices of triangles that were not folded over and now are back by half of their way, and again, and at
+  /// last to where they were.
+  void hold_back() {
+    std::vector<char> queued(mesh_.n_faces(), 0);
+    for_each_block(context_, "", queued.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const FaceHandle f(static_cast<int>(i));
+        queued[i] = !mesh_.status(f).deleted() && is_folded(points_, f) && !is_folded(before_, f);
+      }
+    });
+    std::deque<FaceHandle> queue;
+    for (std::size_t i = 0; i < queued.size(); ++i)
+      if (queued[i]) queue.push_back(FaceHandle(static_cast<int>(i)));
+    if (queue.empty()) return;
+    const auto enter = [&](FaceHandle f) {
+      if (!f.is_valid() || queued[f.idx()]) return;
+      queued[f.idx()] = 1;
+      queue.push_back(f);
+    };
+    std::vector<std::uint8_t> steps(points_.size(), 0);
+    for (std::size_t looked_at = 0; !queue.empty(); ++looked_at) {
+      if (looked_at % 1024 == 0) context_.checkpoint();
+      const FaceHandle f = queue.front();
+      queue.pop_front();
+      queued[f.idx()] = 0;
+      if (!is_folded(points_, f) || is_folded(before_, f)) continue;
+      HalfedgeHandle h = mesh_.halfedge_handle(f);
+      for (int k = 0; k < 3; ++k, h = mesh_.next_halfedge_handle(h)) {
+        const VertexHandle v = mesh_.to_vertex_handle(h);
+        const auto i = static_cast<std::size_t>(v.idx());
+        if (parts_[i] == Part::fixed || steps[i] == steps_back) continue;
+        points_[i] = ++steps[i] == steps_back ? before_[i] : (points_[i] + before_[i]) / 2;
+        for_each_outgoing(mesh_, v, [&](HalfedgeHandle out) {
+          const FaceHandle around = mesh_.face_handle(out);
+          enter(around);
+          if (around.is_valid()) for_each_beyond(around, enter);
+        });
+      }
+    }
+    const auto held = points_.size() - static_cast<std::size_t>(std::ranges::count(steps, 0));
+    report_.figures["held back from folding"] = static_cast<double>(held);
   }
 
   void describe() {
@@ -231,6 +301,7 @@ class Smoother {
   const SmoothOptions& options_;
   Context& context_;
   Report report_;
+  Features features_;
   std::vector<Vec3> before_, points_;
   std::vector<Part> parts_;
   VertexRows rows_;

@@ -57,14 +57,16 @@ struct SmoothOptions {
 /// tenths of the edge length it begins to look like creases, and wants a larger angle (180 degrees: none) or more
 /// edges; the report has a note where creases hold more than a fifth of the vertices. Corners, ends of creases that are
 /// fixed, and points that are not finite stay; the latter pull no neighbour. Where `max_distance` is finite, a vertex
-/// that would end an iteration farther from its start than that stops on the way.
+/// that would end an iteration farther from its start than that stops on the way. After the last iteration the vertices
+/// of triangles that were not folded over and now are (against the triangles beside them, creases apart) are taken back
+/// by half of their way, up to three times, and then to where they were, so that none is folded over by smoothing.
 ///
 /// A coordinate that all points share is kept bit for bit. No new point is NaN, whatever the triangles. Linear time for
 /// each iteration; parallel, with the same result for any number of threads. `touched_vertices`: those that moved.
 /// `skipped`: vertices "on a crease", "on the boundary", "at a corner", "not finite" that stay for that reason.
 /// Figures: "mean distance" and "largest distance" (model units, of the vertices that moved), "held by max-distance"
-/// (vertices, if any), "volume before" and "volume after" (of closed meshes), "faces turned over" (normals turned by
-/// more than 90 degrees, if any).
+/// and "held back from folding" (vertices, if any), "volume before" and "volume after" (of closed meshes), "faces
+/// turned over" (normals turned by more than 90 degrees, if any).
 ///
 /// On cancel (heeded within milliseconds) the mesh is untouched.
 /// @throws InvalidInput if an option is out of range, or `strength` out of that of the method; the mesh is untouched.

@@ -37,7 +37,8 @@ struct SubdivideOptions {
 /// weights beside corners]; corners stay; where a crease fades out it is smooth. Which edges and vertices these are is
 /// found once, by `find_features` with both angles, and handed down from level to level. Where not all around a vertex
 /// is split (at the rim of a selection) it stays; triangles that keep an edge whole are split into two or three. A
-/// point whose stencil is not finite goes to the middle of the edge, or stays.
+/// point whose stencil is not finite goes to the middle of the edge, or stays. Nothing keeps triangles from folding
+/// over: where they are long and thin, as those of CAD models are, `midpoint` is the better choice.
 ///
 /// Handles of all elements stay; a face keeps its handle for one of its four pieces, an edge for one of its halves. New
 /// vertices inherit the mean of the ends of their edge, faces what they are a piece of (see meshops/mesh_edit.hpp); the
