@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "meshops/corner_values.hpp"
+#include "meshops/change_recorder.hpp"
+#include "meshops/new_values.hpp"
 
 namespace tri {
 namespace {
@@ -115,13 +116,13 @@ void link_boundary(OpenMesh::TriConnectivity& mesh, VertexHandle v, const std::v
 
 /// Gives every new face the properties of a face beside it: of the mesh, else of a new one that has them already.
 /// @param halfedge  of the new faces, three each
-void inherit_face_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge, int first_face) {
+void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfedge, int first_face) {
+  const auto& mesh = view.mesh;
   const std::size_t count = halfedge.size() / 3;
   std::vector<char> has(count, 0);
   std::vector<int> ready;  // new faces that have theirs
   const auto inherit = [&](FaceHandle from, int to) {
-    mesh.copy_all_properties(from, FaceHandle(first_face + to), true);
-    mesh.status(FaceHandle(first_face + to)) = OpenMesh::Attributes::StatusInfo();
+    inherit_values(view, ElementKind::face, from, FaceHandle(first_face + to));
     has[static_cast<std::size_t>(to)] = 1;
     ready.push_back(to);
   };
@@ -142,6 +143,8 @@ void inherit_face_values(OpenMesh::TriConnectivity& mesh, const std::vector<Half
       if (f.is_valid() && f.idx() >= first_face && !has[static_cast<std::size_t>(f.idx() - first_face)])
         inherit(FaceHandle(first_face + ready[i]), f.idx() - first_face);
     }
+  for (int t = 0; t < static_cast<int>(count); ++t)
+    if (!has[static_cast<std::size_t>(t)]) inherit(FaceHandle(), t);
 }
 
 /// Gives the corners of new faces the values of the nearest corner of the mesh at the same vertex, counted in faces around it;
@@ -261,6 +264,15 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
     if (outgoing.size() == first) outgoing.push_back({v, HalfedgeHandle()});
   }
 
+  if (ChangeRecorder* r = view.recorder)
+    for (const auto& [v, h] : outgoing) {
+      r->links(VertexHandle(v));
+      if (!h.is_valid() || !mesh.is_boundary(mesh.edge_handle(h))) continue;
+      r->links(mesh.edge_handle(h));
+      r->corner(h);
+      r->corner(mesh.opposite_halfedge_handle(h));
+    }
+
   // All at once: growing one element at a time resizes every property every time.
   int edge = static_cast<int>(mesh.n_edges());
   const int first_face = static_cast<int>(mesh.n_faces());
@@ -276,7 +288,8 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
       const VertexHandle low(s.low), high(s.high);
       forward = mesh.find_halfedge(low, high);
       if (!forward.is_valid()) {
-        forward = mesh.halfedge_handle(EdgeHandle(edge++), 0);
+        forward = mesh.halfedge_handle(EdgeHandle(edge), 0);
+        initialise_edge(view, EdgeHandle(edge++));
         mesh.set_vertex_handle(forward, high);
         mesh.set_vertex_handle(mesh.opposite_halfedge_handle(forward), low);
         outgoing.push_back({s.low, forward});
@@ -305,7 +318,7 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
       if (outgoing[i].second.is_valid()) around.push_back(outgoing[i].second);
     link_boundary(mesh, VertexHandle(v), around);
   }
-  inherit_face_values(mesh, halfedge, first_face);
+  inherit_face_values(view, halfedge, first_face);
   inherit_corner_values(mesh, halfedge, first_face);
   return FitResult::fits;
 }

@@ -32,7 +32,7 @@ FitResult check_faces(MeshView mesh, std::span<const VertexTriple> triangles);
 /// between two new faces is no obstacle, and a vertex may be a bow-tie in between. Existing handles keep. A new face
 /// gets the properties of a face beside it (of the mesh; else of a new one that has such) with its status cleared, its
 /// corners the values of the nearest corner at the same vertex, counted in faces around it. What no face of the mesh is
-/// joined to, and new edges, get default values.
+/// joined to, and new edges, get initial values. The view's policy may say otherwise of any property of faces.
 /// @param added  the new faces are appended in the order of the batch; may be null.
 FitResult add_faces(MeshView mesh, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added = nullptr);
 

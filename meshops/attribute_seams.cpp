@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "meshops/corner_values.hpp"
+#include "meshops/new_values.hpp"
 #include "meshops/label_property.hpp"
 #include "meshops/property_types.hpp"
 

@@ -4,9 +4,12 @@
 #include <type_traits>
 
 #include "meshops/mesh.hpp"
+#include "meshops/property_policy.hpp"
 #include "meshops/selection.hpp"
 
 namespace tri {
+
+class ChangeRecorder;
 
 /// How every operator takes a mesh: the connectivity that every OpenMesh triangle kernel derives from, and its positions
 /// as doubles. Cheap to copy; valid while the mesh (and, for other than `Vec3` kernels, the `MeshLease`) lives.
@@ -17,6 +20,10 @@ struct MeshView {
   OpenMesh::VPropHandleT<Vec3> position_property;
   /// What may be changed; null: everything. Outlives the view.
   const Selection* selection = nullptr;
+  /// Is told of changes; null: nobody is.
+  ChangeRecorder* recorder = nullptr;
+  /// What new elements inherit; never null.
+  const PropertyPolicy* policy = &PropertyPolicy::standard();
 
   Vec3& point(VertexHandle v) const { return mesh.property(position_property, v); }
 
@@ -50,17 +57,44 @@ struct MeshView {
   }
 };
 
+template <class Kernel>
+inline constexpr bool is_triangle_kernel = std::is_base_of_v<OpenMesh::TriConnectivity, Kernel>;
+
+/// Adds the types of properties that only this kernel has: its traits and its points.
+template <class Kernel>
+void add_types_of(PropertyTypes& types) {
+  types.add<typename Kernel::VertexData>();
+  types.add<typename Kernel::EdgeData>();
+  types.add<typename Kernel::HalfedgeData>();
+  types.add<typename Kernel::FaceData>();
+  types.add<typename Kernel::Point>();
+  types.add<typename Kernel::Normal>();
+  types.add<typename Kernel::Color>();
+  types.add<typename Kernel::TexCoord2D>();
+}
+
 /// Opens any OpenMesh triangle kernel as a `MeshView` for as long as the lease lives.
 ///
 /// A kernel whose points are `Vec3` is viewed in place. Any other (float, Eigen) gets a temporary double property, whose
 /// changed positions are written back when the lease ends, so untouched vertices keep their exact bits. Status
 /// attributes are requested if missing and, if so, released again at the end unless elements are marked deleted (releasing
 /// them then would resurrect the deleted elements).
+///
+/// The kernel's own traits and its type of points are made known to the policy's types, so that they travel and can be
+/// recorded like any other property.
 template <class Kernel>
 class MeshLease {
+  static_assert(is_triangle_kernel<Kernel>,
+                "tri works on triangle meshes: use an OpenMesh::TriMesh_ArrayKernelT, or copy your polygon mesh into one and "
+                "triangulate it (a TriMesh can be made from a PolyMesh by its constructor)");
+
  public:
-  explicit MeshLease(Kernel& kernel) : kernel_(kernel), had_status_(kernel.has_vertex_status() && kernel.has_edge_status() &&
+  /// @param policy  what new elements inherit; must outlive the lease
+  explicit MeshLease(Kernel& kernel, const PropertyPolicy& policy = PropertyPolicy::standard())
+      : kernel_(kernel), policy_(policy), had_status_(kernel.has_vertex_status() && kernel.has_edge_status() &&
                                                                     kernel.has_halfedge_status() && kernel.has_face_status()) {
+    policy_.types() = PropertyTypes(&policy.types());
+    add_types_of<Kernel>(policy_.types());
     kernel_.request_vertex_status();
     kernel_.request_edge_status();
     kernel_.request_halfedge_status();
@@ -97,13 +131,15 @@ class MeshLease {
     }
   }
 
-  MeshView view() { return {kernel_, position_}; }
+  /// With the position property of the kernel itself, or a temporary one that ends with the lease.
+  MeshView view() { return {kernel_, position_, nullptr, nullptr, &policy_}; }
   operator MeshView() { return view(); }
 
- private:
-  using Point = typename Kernel::Point;
-  using Scalar = std::remove_cvref_t<decltype(std::declval<Point&>()[0])>;
+   using Point = typename Kernel::Point;
   static constexpr bool in_place = std::is_same_v<Point, Vec3>;
+
+ private:
+  using Scalar = std::remove_cvref_t<decltype(std::declval<Point&>()[0])>;
 
   static Vec3 widened(const Point& p) {
     return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
@@ -117,6 +153,7 @@ class MeshLease {
   }
 
   Kernel& kernel_;
+  PropertyPolicy policy_;
   bool had_status_;
   OpenMesh::VPropHandleT<Vec3> position_;
 };

@@ -55,11 +55,21 @@ const PropertyTypes& PropertyTypes::standard() {
   return types;
 }
 
-const PropertyType* PropertyTypes::find(const OpenMesh::BaseProperty& property) const {
+const std::shared_ptr<const PropertyType>* PropertyTypes::look_up(const OpenMesh::BaseProperty& property) const {
   const std::type_index type = typeid(property);
   for (const PropertyTypes* types = this; types; types = types->base_)
-    if (const auto it = types->own_.find(type); it != types->own_.end()) return it->second.get();
+    if (const auto it = types->own_.find(type); it != types->own_.end()) return &it->second;
   return nullptr;
+}
+
+const PropertyType* PropertyTypes::find(const OpenMesh::BaseProperty& property) const {
+  const auto* found = look_up(property);
+  return found ? found->get() : nullptr;
+}
+
+std::shared_ptr<const PropertyType> PropertyTypes::share(const OpenMesh::BaseProperty& property) const {
+  const auto* found = look_up(property);
+  return found ? *found : nullptr;
 }
 
 }  // namespace tri

@@ -2,9 +2,11 @@
 
 #include <OpenMesh/Core/Utils/Property.hh>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
@@ -40,11 +42,18 @@ class PropertyType {
   virtual void blend(OpenMesh::BaseProperty& property, std::span<const WeightedIndex> sources, std::size_t to) const = 0;
   /// Whether two elements have equal values; false for a type without `operator==`.
   virtual bool equal(const OpenMesh::BaseProperty& property, std::size_t a, std::size_t b) const = 0;
+  /// A number that differs, as good as always, where numbers or vectors of numbers differ in a bit; 0 for other types.
+  virtual std::uint64_t hash(const OpenMesh::BaseProperty& property, std::size_t index) const = 0;
 
   /// An empty property of the same type, without a name: a place for values to be kept in.
   virtual std::unique_ptr<OpenMesh::BaseProperty> make() const = 0;
   /// Appends a copy of an element's value to a place made by `make`.
   virtual void keep(const OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place) const = 0;
+  /// Sets an element's value to one that was kept, or to a default one: zero for numbers and vectors (whose
+  /// default constructors, OpenMesh's and Eigen's, leave them uninitialised), else default-constructed.
+  virtual void set(OpenMesh::BaseProperty& property, std::size_t index, const OpenMesh::BaseProperty& place,
+                   std::size_t kept) const = 0;
+  virtual void reset(OpenMesh::BaseProperty& property, std::size_t index) const = 0;
   /// Swaps an element's value with one that was kept.
   virtual void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place,
                     std::size_t kept) const = 0;
@@ -92,6 +101,17 @@ T component(double mean) {
     return static_cast<T>(std::clamp<double>(std::round(mean), std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
 }
 
+template <class T>
+std::uint64_t mixed(std::uint64_t seed, const T& number) {
+  std::uint64_t bits = 0;
+  if constexpr (std::is_floating_point_v<T>)
+    bits = std::bit_cast<std::uint64_t>(static_cast<double>(number));
+  else
+    bits = static_cast<std::uint64_t>(number);
+  seed = (seed ^ bits) * 0x9e3779b97f4a7c15u;
+  return seed ^ (seed >> 29);
+}
+
 }  // namespace property_values
 
 template <class T>
@@ -126,9 +146,36 @@ class PropertyTypeOf final : public PropertyType {
     }
   }
 
+  std::uint64_t hash(const OpenMesh::BaseProperty& base, std::size_t index) const override {
+    const Property& property = static_cast<const Property&>(base);
+    const auto& value = property[static_cast<int>(index)];
+    std::uint64_t result = 0;
+    if constexpr (std::is_arithmetic_v<T>) {
+      result = property_values::mixed<T>(result, value);
+    } else if constexpr (property_values::Sequence<T>) {
+      if constexpr (std::is_arithmetic_v<property_values::Component<T>>)
+        for (int k = 0; k < static_cast<int>(value.size()); ++k)
+          result = property_values::mixed<property_values::Component<T>>(result, value[k]);
+    }
+    return result;
+  }
+
   std::unique_ptr<OpenMesh::BaseProperty> make() const override { return std::make_unique<Property>(); }
   void keep(const OpenMesh::BaseProperty& base, std::size_t index, OpenMesh::BaseProperty& place) const override {
     static_cast<Property&>(place).data_vector().push_back(static_cast<const Property&>(base)[static_cast<int>(index)]);
+  }
+  void set(OpenMesh::BaseProperty& base, std::size_t index, const OpenMesh::BaseProperty& place,
+           std::size_t kept) const override {
+    static_cast<Property&>(base)[static_cast<int>(index)] = static_cast<const Property&>(place)[static_cast<int>(kept)];
+  }
+  void reset(OpenMesh::BaseProperty& base, std::size_t index) const override {
+    auto&& value = static_cast<Property&>(base)[static_cast<int>(index)];
+    if constexpr (requires { T::Zero(); })
+      value = T::Zero();
+    else if constexpr (property_values::Sequence<T>)
+      for (int k = 0; k < static_cast<int>(value.size()); ++k) value[k] = property_values::Component<T>();
+    else
+      value = T();
   }
   void swap(OpenMesh::BaseProperty& base, std::size_t index, OpenMesh::BaseProperty& place,
             std::size_t kept) const override {
@@ -172,8 +219,12 @@ class PropertyTypes {
 
   /// Nullptr if the type is not known.
   const PropertyType* find(const OpenMesh::BaseProperty& property) const;
+  /// The same, to be kept longer than this.
+  std::shared_ptr<const PropertyType> share(const OpenMesh::BaseProperty& property) const;
 
  private:
+  const std::shared_ptr<const PropertyType>* look_up(const OpenMesh::BaseProperty& property) const;
+
   const PropertyTypes* base_;
   std::unordered_map<std::type_index, std::shared_ptr<const PropertyType>> own_;
 };

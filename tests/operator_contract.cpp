@@ -1,6 +1,8 @@
 // What every registered mesh operator owes, whatever it does: run over the registry, so that a new operator is held to
 // it by its registration alone. Promises that an operator does not make are stated at its registration (`Promises`).
 
+#include "kernels.hpp"
+
 #include <doctest/doctest.h>
 
 #include <string>
@@ -8,7 +10,9 @@
 #include "attribute_checks.hpp"
 #include "contract.hpp"
 #include "mesh_check.hpp"
+#include "mesh_state.hpp"
 #include "meshops/build_mesh.hpp"
+#include "meshops/change_set.hpp"
 #include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"
 
@@ -57,28 +61,45 @@ int alive_vertices(const OpenMesh::TriConnectivity& mesh) {
   return vertices;
 }
 
-/// An editor's kernel: float points, no status of its own, properties and attributes of its own.
-struct EditorTraits : OpenMesh::DefaultTraits {
-  VertexAttributes(OpenMesh::Attributes::Normal | OpenMesh::Attributes::Color | OpenMesh::Attributes::Status);
-  EdgeAttributes(OpenMesh::Attributes::Status);
-  HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge | OpenMesh::Attributes::Status);
-  FaceAttributes(OpenMesh::Attributes::Normal | OpenMesh::Attributes::Status);
-  VertexTraits { int tag = -1; };
-};
-using EditorMesh = OpenMesh::TriMesh_ArrayKernelT<EditorTraits>;
-
-EditorMesh editor_mesh(const Mesh& source) {
-  EditorMesh mesh;
-  for (std::size_t i = 0; i < source.n_vertices(); ++i) {
-    const Vec3 p = source.point(VertexHandle(static_cast<int>(i)));
-    mesh.add_vertex(EditorMesh::Point(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])));
-  }
-  for (const FaceHandle f : source.faces()) {
-    std::vector<VertexHandle> corners;
-    for (const VertexHandle v : source.fv_range(f)) corners.push_back(v);
-    mesh.add_face(corners);
-  }
+EditorKernel editor_mesh(const Mesh& source) {
+  EditorKernel mesh;
+  copy_mesh(source, mesh);
   return mesh;
+}
+
+/// Recorded, undone and done again on a kernel of this type; with `stop`, cancelled at that checkpoint.
+template <class Kernel>
+void check_undo(const Operator& op, const Mesh& input) {
+  Kernel mesh;
+  copy_mesh(input, mesh);
+  add_properties(mesh);
+  request_status(mesh);
+  const MeshState before = state_of(mesh);
+  const std::shared_ptr<void> options = op.schema().make();
+  int checkpoints = 0;
+  Context context;
+  context.on_checkpoint = [&] { ++checkpoints; };
+  ChangeSet change = record(mesh, [&](MeshView view) { return op.run(view, options.get(), context); });
+  CHECK_VALID_MESH(mesh);
+  const MeshState after = state_of(mesh);
+  CHECK(change.empty() == (after == before));
+  CHECK(change.reports().size() == 1);
+  for (int round = 0; round < 2; ++round) {
+    change.undo(mesh);
+    CHECK(difference(state_of(mesh), before) == "");
+    change.redo(mesh);
+    CHECK(difference(state_of(mesh), after) == "");
+  }
+  change.undo(mesh);
+  for (int stop = 1; stop <= std::min(checkpoints, 5); ++stop) {
+    int seen = 0;
+    Context cancelled;
+    cancelled.on_checkpoint = [&] {
+      if (++seen == stop) cancelled.cancel();
+    };
+    CHECK_THROWS_AS(record(mesh, [&](MeshView view) { return op.run(view, options.get(), cancelled); }), Cancelled);
+    CHECK(difference(state_of(mesh), before) == "");
+  }
 }
 
 }  // namespace
@@ -145,11 +166,42 @@ TEST_CASE("contract: the result does not depend on the number of threads, and a 
 
 TEST_CASE("contract: cancelled at any checkpoint, the mesh is valid; progress never goes backwards") { check_cancel<MeshKind>(); }
 
+TEST_CASE("contract: recorded, undone, done again and cancelled, the mesh is as it was bit for bit, with all properties") {
+  for_all<MeshKind>([](const Operator& op, const Mesh& input) {
+    check_undo<Mesh>(op, input);
+    check_undo<EditorKernel>(op, input);
+  });
+  for (const Operator* op : mesh_operators()) {
+    CAPTURE(op->name());
+    const Mesh gap = inputs().back().second;
+    check_undo<BareKernel>(*op, gap);
+    check_undo<EigenKernel>(*op, gap);
+  }
+}
+
+TEST_CASE("contract: the notes of a recording count what the report counts") {
+  for_all<MeshKind>([](const Operator& op, const Mesh& input) {
+    if (!op.promises().keeps_handles) return;
+    Mesh mesh = input;
+    const ChangeSet change = record(mesh, [&](MeshView view) {
+      Context context;
+      return tri::test::run(op, view, context);
+    });
+    const Report& report = change.reports().front();
+    const ChangeNotes& notes = change.notes();
+    CHECK(static_cast<int>(notes.faces.added.size()) - static_cast<int>(notes.faces.removed.size()) ==
+          static_cast<int>(report.faces_added) - static_cast<int>(report.faces_removed));
+    CHECK(static_cast<int>(notes.vertices.added.size()) - static_cast<int>(notes.vertices.removed.size()) ==
+          static_cast<int>(report.vertices_added) - static_cast<int>(report.vertices_removed));
+    CHECK(notes.vertices_moved.empty() == (report.vertices_moved == 0));
+  });
+}
+
 TEST_CASE("contract: an option out of range is refused and the mesh untouched") { check_options<MeshKind>(); }
 
 TEST_CASE("contract: an editor's float kernel keeps its properties, selection and traits") {
   for_all<MeshKind>([](const Operator& op, const Mesh& input) {
-    EditorMesh mesh = editor_mesh(input);
+    EditorKernel mesh = editor_mesh(input);
     OpenMesh::VPropHandleT<int> id;
     OpenMesh::FPropHandleT<std::string> label;
     mesh.add_property(id, "editor:id");
@@ -158,11 +210,11 @@ TEST_CASE("contract: an editor's float kernel keeps its properties, selection an
       mesh.property(id, v) = 100 + v.idx();
       mesh.data(v).tag = v.idx();
       mesh.status(v).set_selected(v.idx() % 3 == 0);
-      mesh.set_color(v, EditorMesh::Color(static_cast<unsigned char>(v.idx()), 1, 2));
+      mesh.set_color(v, EditorKernel::Color(static_cast<unsigned char>(v.idx()), 1, 2));
     }
     for (const FaceHandle f : mesh.faces()) mesh.property(label, f) = "face " + std::to_string(f.idx());
-    const EditorMesh before = mesh;
-    const auto unnamed = [](const EditorMesh& m) {
+    const EditorKernel before = mesh;
+    const auto unnamed = [](const EditorKernel& m) {
       return std::count_if(m.vprops_begin(), m.vprops_end(), [](const auto* p) { return p && p->name() == "<vprop>"; });
     };
 
@@ -197,7 +249,7 @@ TEST_CASE("contract: an editor's float kernel keeps its properties, selection an
 
 TEST_CASE("contract: the float kernel gives the same as the double kernel with the same positions") {
   for_all<MeshKind>([](const Operator& op, const Mesh& input) {
-    EditorMesh editor = editor_mesh(input);
+    EditorKernel editor = editor_mesh(input);
     Mesh mesh;
     for (const VertexHandle v : editor.vertices()) mesh.add_vertex(OpenMesh::vector_cast<Vec3>(editor.point(v)));
     for (const FaceHandle f : editor.faces()) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshops/error.hpp"
+#include "meshops/mesh_edit.hpp"
 
 namespace tri {
 namespace {
@@ -60,6 +61,42 @@ void check_consistent(const Connectivity& mesh, const ElementMaps& maps) {
   }
 }
 
+void renumber(Connectivity& mesh, const ElementMaps& maps, const std::vector<std::uint32_t>& halfedges,
+              const ElementCounts& counts) {
+  move_down(maps.vertices, [&](std::size_t to, std::size_t from) {
+    std::swap(mesh.vertex(VertexHandle(static_cast<int>(to))), mesh.vertex(VertexHandle(static_cast<int>(from))));
+  });
+  move_down(maps.edges, [&](std::size_t to, std::size_t from) {
+    std::swap(mesh.edge(EdgeHandle(static_cast<int>(to))), mesh.edge(EdgeHandle(static_cast<int>(from))));
+  });
+  move_down(maps.faces, [&](std::size_t to, std::size_t from) {
+    std::swap(mesh.face(FaceHandle(static_cast<int>(to))), mesh.face(FaceHandle(static_cast<int>(from))));
+  });
+  move_properties(mesh.vprops_begin(), mesh.vprops_end(), maps.vertices);
+  move_properties(mesh.eprops_begin(), mesh.eprops_end(), maps.edges);
+  move_properties(mesh.hprops_begin(), mesh.hprops_end(), halfedges);
+  move_properties(mesh.fprops_begin(), mesh.fprops_end(), maps.faces);
+  mesh.resize(counts.vertices, counts.edges, counts.faces);
+
+  const auto renumbered = [&](HalfedgeHandle h) { return HalfedgeHandle(static_cast<int>(halfedges[h.idx()])); };
+  for (std::size_t i = 0; i < counts.vertices; ++i) {
+    const VertexHandle v(static_cast<int>(i));
+    if (!mesh.is_isolated(v)) mesh.set_halfedge_handle(v, renumbered(mesh.halfedge_handle(v)));
+  }
+  for (std::size_t i = 0; i < 2 * counts.edges; ++i) {
+    const HalfedgeHandle h(static_cast<int>(i));
+    mesh.set_vertex_handle(h, VertexHandle(static_cast<int>(maps.vertices[mesh.to_vertex_handle(h).idx()])));
+    if (!mesh.is_boundary(h))
+      mesh.set_face_handle(h, FaceHandle(static_cast<int>(maps.faces[mesh.face_handle(h).idx()])));
+    // Also sets the previous half-edge of the next one, so every link is renumbered once.
+    mesh.set_next_halfedge_handle(h, renumbered(mesh.next_halfedge_handle(h)));
+  }
+  for (std::size_t i = 0; i < counts.faces; ++i) {
+    const FaceHandle f(static_cast<int>(i));
+    mesh.set_halfedge_handle(f, renumbered(mesh.halfedge_handle(f)));
+  }
+}
+
 }  // namespace
 
 const OptionSchema& CompactOptions::schema() {
@@ -103,38 +140,7 @@ Report compact(MeshView view, const CompactOptions& options, Context& context) {
   for (std::size_t h = 0; h < halfedges.size(); ++h)
     halfedges[h] = maps.edges[h / 2] == removed ? removed : 2 * maps.edges[h / 2] + static_cast<std::uint32_t>(h % 2);
 
-  move_down(maps.vertices, [&](std::size_t to, std::size_t from) {
-    std::swap(mesh.vertex(VertexHandle(static_cast<int>(to))), mesh.vertex(VertexHandle(static_cast<int>(from))));
-  });
-  move_down(maps.edges, [&](std::size_t to, std::size_t from) {
-    std::swap(mesh.edge(EdgeHandle(static_cast<int>(to))), mesh.edge(EdgeHandle(static_cast<int>(from))));
-  });
-  move_down(maps.faces, [&](std::size_t to, std::size_t from) {
-    std::swap(mesh.face(FaceHandle(static_cast<int>(to))), mesh.face(FaceHandle(static_cast<int>(from))));
-  });
-  move_properties(mesh.vprops_begin(), mesh.vprops_end(), maps.vertices);
-  move_properties(mesh.eprops_begin(), mesh.eprops_end(), maps.edges);
-  move_properties(mesh.hprops_begin(), mesh.hprops_end(), halfedges);
-  move_properties(mesh.fprops_begin(), mesh.fprops_end(), maps.faces);
-  mesh.resize(vertices, edges, faces);
-
-  const auto renumbered = [&](HalfedgeHandle h) { return HalfedgeHandle(static_cast<int>(halfedges[h.idx()])); };
-  for (std::size_t i = 0; i < vertices; ++i) {
-    const VertexHandle v(static_cast<int>(i));
-    if (!mesh.is_isolated(v)) mesh.set_halfedge_handle(v, renumbered(mesh.halfedge_handle(v)));
-  }
-  for (std::size_t i = 0; i < 2 * edges; ++i) {
-    const HalfedgeHandle h(static_cast<int>(i));
-    mesh.set_vertex_handle(h, VertexHandle(static_cast<int>(maps.vertices[mesh.to_vertex_handle(h).idx()])));
-    if (!mesh.is_boundary(h))
-      mesh.set_face_handle(h, FaceHandle(static_cast<int>(maps.faces[mesh.face_handle(h).idx()])));
-    // Also sets the previous half-edge of the next one, so every link is renumbered once.
-    mesh.set_next_halfedge_handle(h, renumbered(mesh.next_halfedge_handle(h)));
-  }
-  for (std::size_t i = 0; i < faces; ++i) {
-    const FaceHandle f(static_cast<int>(i));
-    mesh.set_halfedge_handle(f, renumbered(mesh.halfedge_handle(f)));
-  }
+  change_all(view, [&] { renumber(mesh, maps, halfedges, {vertices, edges, faces}); });
   report.maps = std::move(maps);
   return report;
 }

@@ -2,17 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "meshops/mesh_edit.hpp"
+
 namespace tri {
 namespace {
 
 constexpr std::size_t noted_loops = 100;
-
-template <class PropertyHandle>
-PropertyHandle fresh_property(OpenMesh::TriConnectivity& mesh, const char* name) {
-  PropertyHandle handle;
-  if (!mesh.get_property_handle(handle, name)) mesh.add_property(handle, name);
-  return handle;
-}
 
 }  // namespace
 
@@ -37,15 +32,15 @@ Report extract_boundaries(MeshView view, const ExtractBoundariesOptions& options
   Report report;
   report.operation = "extract-boundaries";
   if (options.mark_vertices) {
-    const auto loop_of = fresh_property<OpenMesh::VPropHandleT<int>>(mesh, property::boundary_loop);
+    const auto loop_of = property_to_fill<OpenMesh::VPropHandleT<int>>(view, property::boundary_loop);
     for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i) mesh.property(loop_of, VertexHandle(i)) = -1;
     for (std::size_t i = loops.size(); i-- > 0;)
       for (const HalfedgeHandle h : loops[i].halfedges)
         mesh.property(loop_of, mesh.from_vertex_handle(h)) = static_cast<int>(i);
   }
   if (options.mark_edges) {
-    const auto loop_of = fresh_property<OpenMesh::EPropHandleT<int>>(mesh, property::boundary_loop);
-    const auto outer = fresh_property<OpenMesh::EPropHandleT<int>>(mesh, property::boundary_outer);
+    const auto loop_of = property_to_fill<OpenMesh::EPropHandleT<int>>(view, property::boundary_loop);
+    const auto outer = property_to_fill<OpenMesh::EPropHandleT<int>>(view, property::boundary_outer);
     for (int i = 0; i < static_cast<int>(mesh.n_edges()); ++i)
       mesh.property(loop_of, EdgeHandle(i)) = mesh.property(outer, EdgeHandle(i)) = -1;
     for (std::size_t i = 0; i < loops.size(); ++i)
