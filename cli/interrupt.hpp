@@ -8,8 +8,9 @@
 
 namespace tri::cli {
 
-/// From here on an interrupt (Ctrl-C) or a request to end cancels `context`, which then leaves no partial output. A second
-/// one ends the program at once, for the sake of libraries that cannot be stopped. `context` must live until the end.
+/// From here on an interrupt (Ctrl-C) or a request to end cancels `context`, which then leaves no partial output. A
+/// second one ends the program at once, for the sake of libraries that cannot be stopped. `context` must live until the
+/// end.
 void cancel_on_interrupt(Context& context);
 
 /// While it lives, an interrupt that the work does not heed within a fifth of a second ends the program with

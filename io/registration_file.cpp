@@ -43,9 +43,9 @@ struct Extras {
   io_detail::NamedColumns columns;
 
   explicit Extras(const PointSet& points) : set(points) {
-    static constexpr std::string_view taken[] = {"index", "point_index", "x", "y", "z", "face", "cad_face", "u", "v", "fx",
-                                                 "fy", "fz", "deviation", "on_edge", "nx", "ny", "nz", intensity_name,
-                                                 "red", "green", "blue"};
+    static constexpr std::string_view taken[] = {
+        "index", "point_index", "x",       "y",  "z",  "face", "cad_face",     "u",   "v",     "fx",  "fy",
+        "fz",    "deviation",   "on_edge", "nx", "ny", "nz",   intensity_name, "red", "green", "blue"};
     columns = io_detail::numbers_of(points, taken);
   }
 };

@@ -9,6 +9,7 @@
 #include "libtri/alignment/candidates.hpp"
 #include "libtri/alignment/pose_search.hpp"
 #include "libtri/alignment/quiet_context.hpp"
+#include "libtri/alignment/rim_fit.hpp"
 #include "libtri/alignment/verdict.hpp"
 #include "meshops/error.hpp"
 #include "meshops/nearest_points.hpp"
@@ -29,7 +30,7 @@ constexpr double no_gain = 0.05;             // of the mean squared distance
 constexpr double chance_gain = 35;           // chi-squared of six degrees of freedom, 1e-5: 33.1
 constexpr double no_move = 1e-6;             // of the diagonal
 constexpr double final_tolerance = 1e-6;     // of the diagonal
-constexpr int final_steps = 12, point_steps = 400;
+constexpr int final_steps = 12, point_steps = 400, settle_steps = 2;
 constexpr double equal_z = 4;  // standard errors
 constexpr std::size_t most_alternatives = 12;
 constexpr double too_large = 1.3, too_small = 0.2, unit_low = 0.35, unit_high = 1.2;  // scan over model, by radius
@@ -248,6 +249,35 @@ class Alignment {
     else
       set_quality(refined.residuals, all.points.size());
     lap("refine");
+    if (options_.probe_radius == 0 && !(result_.information.freedoms.empty() && result_.information.weak.empty())) {
+      settle(all);
+      lap("settle in the rim");
+    }
+  }
+
+  // Where the surface leaves the pose a motion, the rim of the model may not.
+  void settle(const PointSample& all) {
+    const Rim rim(model_, target_.registration, context_);
+    if (rim.empty()) return;
+    const auto residuals = target_.residuals(sample_.points, sample_.normals, result_.pose, quiet_);
+    NormalEquations equations = equations_of(residuals);
+    const RimFit fit =
+        fit_to_rim(rim, target_, all, result_.pose, equations, result_.quality.sigma, weak_motion * diagonal(), quiet_);
+    if (fit.moved == 0) return;
+    if (fit.motions > 0)
+      result_.notes.push_back(
+          fmt::format("{} of the motions that the surface leaves free {} stopped by the rim of the model: the pose is in "
+                      "the middle of what it allows",
+                      fit.motions, fit.motions > 1 ? "are" : "is"));
+    result_.pose = fit.pose;
+    // The way there was straight to first order only: the motions that the surface fixes are set right again.
+    for (int step = 0; step < settle_steps; ++step)
+      result_.pose = firm_step(equations_of(target_.residuals(all.points, all.normals, result_.pose, quiet_)),
+                               result_.quality.sigma, weak_motion * diagonal()) *
+                     result_.pose;
+    result_.pose = pose_of(result_.pose.matrix());
+    measure(sample_);
+    result_.points_used = all.points.size();
   }
 
   std::vector<Candidate> search(double factor) {
@@ -297,8 +327,7 @@ class Alignment {
     result_.reasons.push_back(fmt::format(
         "the points are {} the model: their radius is {:.4g}, the model's {:.4g} mm; multiplied by {:.6g} "
         "they fit, with a median distance of {:.3g} mm",
-        size_ratio() > 1 ? "too large for" : "too small for", subset().radius, model_radius(), factor,
-        quality.median));
+        size_ratio() > 1 ? "too large for" : "too small for", subset().radius, model_radius(), factor, quality.median));
   }
 
   void say_too_large() {
@@ -352,10 +381,11 @@ class Alignment {
         other_unit())
       return;
     if (found.empty()) {
-      result_.reasons.push_back(fmt::format(
-          "no pose brings the points near the model: their middle is {:.4g} mm from the model's, their radius {:.4g} mm, "
-          "the model's {:.4g} mm",
-          (subset().centre - centre_).norm(), subset().radius, model_radius()));
+      result_.reasons.push_back(
+          fmt::format("no pose brings the points near the model: their middle is {:.4g} mm from the model's, their "
+                      "radius {:.4g} mm, "
+                      "the model's {:.4g} mm",
+                      (subset().centre - centre_).norm(), subset().radius, model_radius()));
       return;
     }
     choose(found);

@@ -80,6 +80,10 @@ struct AlignResult {
 /// the points do not fix named. A small residual alone proves nothing: the pose is good only if no other found explains
 /// the points as well, and those far off are single ones and no regions.
 ///
+/// Where the distances fix a motion badly or not at all, points are drawn back from over the rim of the model, and if the
+/// rim stops the motion on both sides, the pose goes to the middle of what it allows (rim_fit.hpp): the motion is still
+/// named as not fixed by the surface.
+///
 /// Where the points were already on the model and refinement lowers the mean squared distance by less than a twentieth
 /// or by what chance gives (chi-squared of six degrees, 1e-5; deviations that neighbours share count as fewer points),
 /// the identity is kept exactly.

@@ -152,6 +152,32 @@ PoseInformation information_of(const NormalEquations& equations, double sigma, d
   return result;
 }
 
+namespace {
+
+int count_weak(const Eigen::SelfAdjointEigenSolver<Matrix6>& solver, const NormalEquations& equations, double sigma,
+               double limit) {
+  int weak = 0;
+  while (weak < 6 && (solver.eigenvalues()[weak] < PoseInformation::unfixed ||
+                      sigma / std::sqrt(equations.weight * solver.eigenvalues()[weak]) > limit))
+    ++weak;
+  return weak;
+}
+
+}  // namespace
+
+int weak_motions(const NormalEquations& equations, double sigma, double limit) {
+  return count_weak(Eigen::SelfAdjointEigenSolver<Matrix6>(equations.matrix), equations, sigma, limit);
+}
+
+Pose firm_step(const NormalEquations& equations, double sigma, double limit) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(equations.matrix);
+  const int firm = 6 - count_weak(solver, equations, sigma, limit);
+  const auto motions = solver.eigenvectors().rightCols(firm);
+  const Vector6 x =
+      motions * (motions.transpose() * equations.right_side).cwiseQuotient(solver.eigenvalues().tail(firm));
+  return motion(x.head<3>() / equations.radius, x.tail<3>(), equations.centre);
+}
+
 bool is_free(const Pose& motion, std::span<const Freedom> freedoms, const Vec3& centre, double radius,
              double tolerance) {
   const MotionParts parts = parts_of(motion, centre);

@@ -62,6 +62,13 @@ struct PoseInformation {
 /// @param limit  mm: motions with a larger standard deviation are weak
 PoseInformation information_of(const NormalEquations& equations, double sigma, double limit);
 
+/// How many of the six motions the points fix badly or not at all: those of the lowest eigenvalues.
+/// @param sigma, limit  as `information_of`
+int weak_motions(const NormalEquations& equations, double sigma, double limit);
+
+/// The step of Gauss and Newton along the others.
+Pose firm_step(const NormalEquations& equations, double sigma, double limit);
+
 /// True if `motion` is made up of `freedoms` only, to `tolerance` mm over points up to `radius` mm from `centre`.
 bool is_free(const Pose& motion, std::span<const Freedom> freedoms, const Vec3& centre, double radius,
              double tolerance);
