@@ -56,6 +56,8 @@ Info mesh_info(const std::string& path, Context& context) {
   const std::string at_vertices = names_of_scalars(soup.vertex_scalars), at_faces = names_of_scalars(soup.face_scalars);
   if (!at_vertices.empty()) info.line("vertex properties", at_vertices);
   if (!at_faces.empty()) info.line("face properties", at_faces);
+  const std::string at_corners = names_of_scalars(soup.corner_scalars);
+  if (!at_corners.empty()) info.line("corner properties", at_corners);
   if (!soup.vertex_colors.empty()) info.line("vertex colours", "yes");
   if (!soup.vertex_normals.empty()) info.line("vertex normals", "yes");
   info.notes = file.notes;
@@ -87,6 +89,8 @@ Info mesh_info(const std::string& path, Context& context) {
   for (const auto& [name, values] : soup.vertex_scalars) json["vertex_properties"].push_back(name);
   json["face_properties"] = nlohmann::ordered_json::array();
   for (const auto& [name, values] : soup.face_scalars) json["face_properties"].push_back(name);
+  json["corner_properties"] = nlohmann::ordered_json::array();
+  for (const auto& [name, values] : soup.corner_scalars) json["corner_properties"].push_back(name);
   json["vertex_colors"] = !soup.vertex_colors.empty();
   json["vertex_normals"] = !soup.vertex_normals.empty();
   json["parts"] = file.parts;

@@ -13,7 +13,8 @@ inline bool has_face_colors(const Soup& soup) {
   return soup.face_scalars.contains("red") && soup.face_scalars.contains("green") && soup.face_scalars.contains("blue");
 }
 
-/// The colour of a triangle. @return false if it has none: a value that is no integer from 0 to 255 (NaN stands for none)
+/// The colour of a triangle. @return false if it has none: a value that is no integer from 0 to 255 (NaN stands for
+/// none)
 inline bool face_color(const Soup& soup, std::size_t triangle, std::array<std::uint8_t, 3>& color) {
   static constexpr const char* names[] = {"red", "green", "blue"};
   for (std::size_t k = 0; k < 3; ++k) {

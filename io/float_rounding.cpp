@@ -31,8 +31,9 @@ void note_rounding_to_floats(const Soup& soup, const char* format, MeshWriteRepo
     report.rounded_vertices += rounding > 0;
   }
   if (report.rounded_vertices == 0) return;
-  report.notes.push_back(fmt::format("coordinates were rounded to the floats of {}: {} of {} vertices, by at most {:.3g}", format,
-                                     report.rounded_vertices, soup.points.size(), report.max_rounding));
+  report.notes.push_back(
+      fmt::format("coordinates were rounded to the floats of {}: {} of {} vertices, by at most {:.3g}", format,
+                  report.rounded_vertices, soup.points.size(), report.max_rounding));
   std::uint64_t collapsed = 0;
   for (const Triangle& t : soup.triangles) {
     bool collapses = false;

@@ -53,7 +53,8 @@ class SceneReader {
     }
     std::vector<bool> child(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i)
-      for (const std::uint64_t c : indices(document_.element("nodes", i, "nodes"), "children", fmt::format("nodes[{}]", i)))
+      for (const std::uint64_t c :
+           indices(document_.element("nodes", i, "nodes"), "children", fmt::format("nodes[{}]", i)))
         if (c < child.size()) child[c] = true;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (!child[i]) result.push_back(i);
@@ -107,7 +108,8 @@ class SceneReader {
     }
     if (const auto s = document_.numbers(node, "scale", 3, where); !s.empty())
       for (Vec3& row : placement.rows) row = Vec3(row[0] * s[0], row[1] * s[1], row[2] * s[2]);
-    if (const auto t = document_.numbers(node, "translation", 3, where); !t.empty()) placement.offset = Vec3(t[0], t[1], t[2]);
+    if (const auto t = document_.numbers(node, "translation", 3, where); !t.empty())
+      placement.offset = Vec3(t[0], t[1], t[2]);
     return placement;
   }
 
@@ -145,12 +147,14 @@ class SceneReader {
     const auto [base, count] = vertices(*attributes, placement, where);
     std::vector<std::uint32_t> corners;
     if (primitive.contains("indices")) {
-      const GltfValues values = document_.accessor(document_.integer(primitive, "indices", where), 1, 1, where + ".indices");
+      const GltfValues values =
+          document_.accessor(document_.integer(primitive, "indices", where), 1, 1, where + ".indices");
       spend(values.count, where);
       corners.reserve(values.count);
       for (const double v : values.values) {
         if (!(v >= 0 && v < static_cast<double>(count)) || v != std::floor(v))
-          document_.fail(where + ".indices", fmt::format("number {} is {}, but there are {} vertices", corners.size(), v, count));
+          document_.fail(where + ".indices",
+                         fmt::format("number {} is {}, but there are {} vertices", corners.size(), v, count));
         corners.push_back(base + static_cast<std::uint32_t>(v));
       }
     } else {
@@ -185,7 +189,8 @@ class SceneReader {
   }
 
   /// The vertices of a primitive, which may be those of an earlier one. @return the first, and how many
-  std::pair<std::uint32_t, std::uint32_t> vertices(const Json& attributes, const Placement& placement, const std::string& where) {
+  std::pair<std::uint32_t, std::uint32_t> vertices(const Json& attributes, const Placement& placement,
+                                                   const std::string& where) {
     VertexKey key{attributes.dump(-1, ' ', false, Json::error_handler_t::replace), {}};
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t k = 0; k < 3; ++k) key.second[3 * i + k] = placement.rows[i][k];
@@ -197,7 +202,8 @@ class SceneReader {
     const GltfValues positions = attribute(attributes, "POSITION", 3, 3, 0, where);
     const auto base = static_cast<std::uint32_t>(soup_.points.size());
     const std::size_t count = positions.count, end = base + count;
-    if (end >= std::numeric_limits<std::uint32_t>::max()) document_.fail(where, "more vertices than a 32-bit index counts");
+    if (end >= std::numeric_limits<std::uint32_t>::max())
+      document_.fail(where, "more vertices than a 32-bit index counts");
     spend(count, where);
     for (std::size_t i = 0; i < count; ++i) {
       const double* p = positions.values.data() + 3 * i;
@@ -249,7 +255,8 @@ class SceneReader {
   GltfValues attribute(const Json& attributes, const char* name, std::size_t least, std::size_t most, std::size_t count,
                        const std::string& where) {
     const std::string place = where + ".attributes." + std::string(name).substr(0, 40);
-    GltfValues values = document_.accessor(document_.integer(attributes, name, where + ".attributes"), least, most, place);
+    GltfValues values =
+        document_.accessor(document_.integer(attributes, name, where + ".attributes"), least, most, place);
     if (std::string_view(name) != "POSITION" && values.count != count)
       document_.fail(place, fmt::format("has {} values for {} vertices", values.count, count));
     return values;
@@ -277,7 +284,8 @@ class SceneReader {
     for (auto& [name, values] : soup_.vertex_scalars) values.resize(n, nan);
     if (!normals_.empty()) {
       normals_.resize(n, Vec3(nan, nan, nan));
-      if (std::all_of(normals_.begin(), normals_.end(), [](const Vec3& v) { return std::isfinite(v[0] + v[1] + v[2]); }))
+      if (std::all_of(normals_.begin(), normals_.end(),
+                      [](const Vec3& v) { return std::isfinite(v[0] + v[1] + v[2]); }))
         soup_.vertex_normals = std::move(normals_);
       else
         note("normals are not kept: not all vertices have one");
@@ -291,7 +299,8 @@ class SceneReader {
 
   void finish_notes() {
     if (!soup_.points.empty()) note("glTF is in metres: coordinates were converted to millimetres");
-    if (mirrored_ > 0) note(fmt::format("{} primitives are mirrored by their transform: their triangles were reversed", mirrored_));
+    if (mirrored_ > 0)
+      note(fmt::format("{} primitives are mirrored by their transform: their triangles were reversed", mirrored_));
     if (colors_rounded_ > 0) note(fmt::format("{} colour values were rounded to 8 bits", colors_rounded_));
     if (transparent_ > 0) note(fmt::format("the transparency of {} vertices is not kept", transparent_));
     for (const char* name : {"images", "textures", "animations"})
@@ -327,7 +336,8 @@ class SceneReader {
 bool looks_like_gltf(std::string_view bytes) {
   if (bytes.starts_with("glTF")) return true;
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
-  return first != bytes.npos && bytes[first] == '{' && bytes.substr(0, std::min<std::size_t>(bytes.size(), 1 << 16)).find("\"asset\"") != bytes.npos;
+  return first != bytes.npos && bytes[first] == '{' &&
+         bytes.substr(0, std::min<std::size_t>(bytes.size(), 1 << 16)).find("\"asset\"") != bytes.npos;
 }
 
 Soup parse_gltf(std::string_view bytes, const std::string& file, Context& context, MeshFileInfo& info) {

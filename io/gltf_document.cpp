@@ -15,8 +15,8 @@
 namespace tri::io_detail {
 namespace {
 
-// A value of the parsed JSON takes some 100 bytes, "0," takes two: files that hold nothing but those are refused. A mesh of
-// any size needs few values, for its numbers are in buffers.
+// A value of the parsed JSON takes some 100 bytes, "0," takes two: files that hold nothing but those are refused. A
+// mesh of any size needs few values, for its numbers are in buffers.
 constexpr std::size_t most_values = 2'000'000;
 constexpr int deepest = 200;
 
@@ -84,7 +84,8 @@ std::string without_escapes(const std::string& uri) {
 
 }  // namespace
 
-GltfDocument::GltfDocument(std::string_view bytes, const std::string& file, MeshFileInfo& info) : file_(file), size_(bytes.size()) {
+GltfDocument::GltfDocument(std::string_view bytes, const std::string& file, MeshFileInfo& info)
+    : file_(file), size_(bytes.size()) {
   info.encoding = bytes.starts_with("glTF") ? MeshEncoding::binary_little_endian : MeshEncoding::ascii;
   if (bytes.starts_with("glTF"))
     split_binary(bytes);
@@ -95,7 +96,8 @@ GltfDocument::GltfDocument(std::string_view bytes, const std::string& file, Mesh
   if (!version.starts_with("2.")) fail("asset.version", "is " + io_detail::quoted(version) + ": only glTF 2 is read");
   for (const Json& extension : list(root_, "extensionsRequired", "the file")) {
     const std::string name = extension.is_string() ? extension.get<std::string>() : "";
-    if (name.find("compression") != name.npos) fail("extensionsRequired", io_detail::quoted(name) + " is not supported: the mesh is compressed");
+    if (name.find("compression") != name.npos)
+      fail("extensionsRequired", io_detail::quoted(name) + " is not supported: the mesh is compressed");
   }
   buffers_.resize(list(root_, "buffers", "the file").size());
 }
@@ -105,10 +107,14 @@ void GltfDocument::fail(const std::string& where, const std::string& message) co
 }
 
 void GltfDocument::split_binary(std::string_view bytes) {
-  const auto refuse = [this](const std::string& message, std::size_t at) { throw IoError(file_, message, IoError::Unit::byte, at); };
+  const auto refuse = [this](const std::string& message, std::size_t at) {
+    throw IoError(file_, message, IoError::Unit::byte, at);
+  };
   if (bytes.size() < 20) refuse("truncated: not as long as the header of a GLB file", bytes.size());
-  if (word_at(bytes, 4) != 2) refuse(fmt::format("a GLB file of version {}: only version 2 is read", word_at(bytes, 4)), 4);
-  if (word_at(bytes, 8) > bytes.size()) refuse(fmt::format("truncated: the header says {} bytes", word_at(bytes, 8)), bytes.size());
+  if (word_at(bytes, 4) != 2)
+    refuse(fmt::format("a GLB file of version {}: only version 2 is read", word_at(bytes, 4)), 4);
+  if (word_at(bytes, 8) > bytes.size())
+    refuse(fmt::format("truncated: the header says {} bytes", word_at(bytes, 8)), bytes.size());
   bytes = bytes.substr(0, word_at(bytes, 8));
   std::size_t at = 12;
   for (bool first = true; at + 8 <= bytes.size(); first = false) {
@@ -139,7 +145,9 @@ void GltfDocument::parse_json(std::string_view text, std::size_t offset) {
     depth += (c == '[' || c == '{') - (c == ']' || c == '}');
     values += c == ',' || c == '[' || c == '{';
     if (depth > deepest || values > most_values)
-      throw IoError(file_, depth > deepest ? fmt::format("JSON nested deeper than {}", deepest) : fmt::format("JSON of more than {} values", most_values),
+      throw IoError(file_,
+                    depth > deepest ? fmt::format("JSON nested deeper than {}", deepest)
+                                    : fmt::format("JSON of more than {} values", most_values),
                     IoError::Unit::byte, offset + i);
   }
   try {
@@ -147,12 +155,13 @@ void GltfDocument::parse_json(std::string_view text, std::size_t offset) {
   } catch (const Json::exception& error) {
     const auto* parse = dynamic_cast<const Json::parse_error*>(&error);
     const std::string what = error.what();
-    throw IoError(file_, "is not valid JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())), IoError::Unit::byte,
-                  offset + (parse && parse->byte > 0 ? parse->byte - 1 : 0));
+    throw IoError(file_, "is not valid JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())),
+                  IoError::Unit::byte, offset + (parse && parse->byte > 0 ? parse->byte - 1 : 0));
   }
 }
 
-const GltfDocument::Json& GltfDocument::element(const char* list_name, std::uint64_t index, const std::string& from) const {
+const GltfDocument::Json& GltfDocument::element(const char* list_name, std::uint64_t index,
+                                                const std::string& from) const {
   const Json& all = list(root_, list_name, "the file");
   if (index >= all.size()) fail(from, fmt::format("names {} {}, of which there are {}", list_name, index, all.size()));
   const Json& found = all[index];
@@ -160,12 +169,14 @@ const GltfDocument::Json& GltfDocument::element(const char* list_name, std::uint
   return found;
 }
 
-std::uint64_t GltfDocument::integer(const Json& object, const char* name, const std::string& where, std::uint64_t otherwise) const {
+std::uint64_t GltfDocument::integer(const Json& object, const char* name, const std::string& where,
+                                    std::uint64_t otherwise) const {
   const auto found = object.find(name);
   if (found == object.end()) return otherwise;
   const double value = found->is_number() ? found->get<double>() : -1;
   if (!(value >= 0 && value <= 9007199254740992.0) || value != std::floor(value))
-    fail(where + "." + name, "is " + io_detail::quoted(found->dump(-1, ' ', false, Json::error_handler_t::replace)) + ", not an integer from 0");
+    fail(where + "." + name, "is " + io_detail::quoted(found->dump(-1, ' ', false, Json::error_handler_t::replace)) +
+                                 ", not an integer from 0");
   return static_cast<std::uint64_t>(value);
 }
 
@@ -174,7 +185,8 @@ std::uint64_t GltfDocument::integer(const Json& object, const char* name, const 
   return integer(object, name, where, 0);
 }
 
-std::vector<double> GltfDocument::numbers(const Json& object, const char* name, std::size_t size, const std::string& where) const {
+std::vector<double> GltfDocument::numbers(const Json& object, const char* name, std::size_t size,
+                                          const std::string& where) const {
   const Json& values = list(object, name, where);
   std::vector<double> result;
   for (const Json& value : values) {
@@ -182,7 +194,8 @@ std::vector<double> GltfDocument::numbers(const Json& object, const char* name, 
     if (!std::isfinite(number)) fail(where + "." + name, "holds what is no finite number");
     result.push_back(number);
   }
-  if (object.contains(name) && result.size() != size) fail(where + "." + name, fmt::format("has {} numbers, not {}", result.size(), size));
+  if (object.contains(name) && result.size() != size)
+    fail(where + "." + name, fmt::format("has {} numbers, not {}", result.size(), size));
   return result;
 }
 
@@ -226,7 +239,8 @@ std::string_view GltfDocument::buffer(std::uint64_t index, const std::string& fr
     fail(where + ".uri", "is no text");
   } else if (const auto& whole = uri->get_ref<const std::string&>(); whole.starts_with("data:")) {
     const std::size_t comma = whole.find(',');
-    if (comma == whole.npos || !std::string_view(whole).substr(0, comma).ends_with(";base64")) fail(where + ".uri", "holds data, but not in base 64");
+    if (comma == whole.npos || !std::string_view(whole).substr(0, comma).ends_with(";base64"))
+      fail(where + ".uri", "holds data, but not in base 64");
     auto decoded = from_base64(std::string_view(whole).substr(comma + 1));
     if (!decoded) fail(where + ".uri", "is not valid base 64");
     decoded_.push_back(std::make_unique<std::string>(std::move(*decoded)));
@@ -234,7 +248,8 @@ std::string_view GltfDocument::buffer(std::uint64_t index, const std::string& fr
   } else {
     bytes = external(whole, where + ".uri");
   }
-  if (length > bytes.size() || length == 0) fail(where, fmt::format("has {} of the {} bytes it should have", bytes.size(), length));
+  if (length > bytes.size() || length == 0)
+    fail(where, fmt::format("has {} of the {} bytes it should have", bytes.size(), length));
   return buffers_[index] = bytes.substr(0, length);
 }
 
@@ -248,8 +263,9 @@ GltfDocument::View GltfDocument::view(std::uint64_t index, const std::string& fr
   return {bytes.substr(offset, length), integer(object, "byteStride", where, 0)};
 }
 
-void GltfDocument::decode(const View& view, std::uint64_t offset, std::uint64_t count, std::uint64_t type, std::size_t components,
-                          bool normalized, std::vector<double>& out, const std::string& where) const {
+void GltfDocument::decode(const View& view, std::uint64_t offset, std::uint64_t count, std::uint64_t type,
+                          std::size_t components, bool normalized, std::vector<double>& out,
+                          const std::string& where) const {
   const std::size_t size = size_of_component(type), element_size = size * components;
   const std::uint64_t stride = view.stride ? view.stride : element_size;
   if (stride < element_size) fail(where, fmt::format("elements of {} bytes every {} bytes", element_size, stride));
@@ -268,8 +284,10 @@ GltfValues GltfDocument::accessor(std::uint64_t index, std::size_t least, std::s
   static constexpr const char* types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
   const std::string shape = text(object, "type");
   GltfValues result;
-  result.components = static_cast<std::size_t>(std::find(std::begin(types), std::end(types), shape) - std::begin(types)) + 1;
-  if (result.components < least || result.components > most) fail(where + ".type", io_detail::quoted(shape) + " does not fit " + from);
+  result.components =
+      static_cast<std::size_t>(std::find(std::begin(types), std::end(types), shape) - std::begin(types)) + 1;
+  if (result.components < least || result.components > most)
+    fail(where + ".type", io_detail::quoted(shape) + " does not fit " + from);
   const std::uint64_t type = integer(object, "componentType", where), count = integer(object, "count", where);
   if (size_of_component(type) == 0) fail(where + ".componentType", fmt::format("{} is unknown", type));
   const auto flag = object.find("normalized");
@@ -277,29 +295,34 @@ GltfValues GltfDocument::accessor(std::uint64_t index, std::size_t least, std::s
   result.count = count;
   if (object.contains("bufferView")) {
     const View source = view(integer(object, "bufferView", where), where);
-    decode(source, integer(object, "byteOffset", where, 0), count, type, result.components, normalized, result.values, where);
+    decode(source, integer(object, "byteOffset", where, 0), count, type, result.components, normalized, result.values,
+           where);
   } else {
-    if (count > instance_budget(size_)) fail(where + ".count", fmt::format("{} zeros are absurd for a file of {} bytes", count, size_));
+    if (count > instance_budget(size_))
+      fail(where + ".count", fmt::format("{} zeros are absurd for a file of {} bytes", count, size_));
     result.values.resize(count * result.components, 0);
   }
   if (!object.contains("sparse")) return result;
   const std::string inner = where + ".sparse";
   const Json& sparse = object.at("sparse");
-  if (!sparse.is_object() || !sparse.contains("indices") || !sparse.contains("values") || !sparse.at("indices").is_object() ||
-      !sparse.at("values").is_object())
+  if (!sparse.is_object() || !sparse.contains("indices") || !sparse.contains("values") ||
+      !sparse.at("indices").is_object() || !sparse.at("values").is_object())
     fail(inner, "needs indices and values");
   const Json &places = sparse.at("indices"), &news = sparse.at("values");
-  const std::uint64_t changed = integer(sparse, "count", inner), place_type = integer(places, "componentType", inner + ".indices");
-  if (place_type != 5121 && place_type != 5123 && place_type != 5125) fail(inner + ".indices.componentType", fmt::format("{} is no type of indices", place_type));
+  const std::uint64_t changed = integer(sparse, "count", inner),
+                      place_type = integer(places, "componentType", inner + ".indices");
+  if (place_type != 5121 && place_type != 5123 && place_type != 5125)
+    fail(inner + ".indices.componentType", fmt::format("{} is no type of indices", place_type));
   std::vector<double> place, value;
-  decode(view(integer(places, "bufferView", inner + ".indices"), inner), integer(places, "byteOffset", inner, 0), changed, place_type, 1,
-         false, place, inner + ".indices");
-  decode(view(integer(news, "bufferView", inner + ".values"), inner), integer(news, "byteOffset", inner, 0), changed, type,
-         result.components, normalized, value, inner + ".values");
+  decode(view(integer(places, "bufferView", inner + ".indices"), inner), integer(places, "byteOffset", inner, 0),
+         changed, place_type, 1, false, place, inner + ".indices");
+  decode(view(integer(news, "bufferView", inner + ".values"), inner), integer(news, "byteOffset", inner, 0), changed,
+         type, result.components, normalized, value, inner + ".values");
   for (std::size_t i = 0; i < changed; ++i) {
     if (!(place[i] < static_cast<double>(count))) fail(inner, fmt::format("index {} of {} elements", place[i], count));
-    std::copy_n(value.begin() + static_cast<std::ptrdiff_t>(i * result.components), result.components,
-                result.values.begin() + static_cast<std::ptrdiff_t>(place[i]) * static_cast<std::ptrdiff_t>(result.components));
+    std::copy_n(
+        value.begin() + static_cast<std::ptrdiff_t>(i * result.components), result.components,
+        result.values.begin() + static_cast<std::ptrdiff_t>(place[i]) * static_cast<std::ptrdiff_t>(result.components));
   }
   return result;
 }

@@ -10,7 +10,8 @@
 #include "io/input_file.hpp"
 #include "io/mesh_file.hpp"
 
-// "glTF 2.0 Specification", The Khronos Group, 2021: its JSON, its buffers, and the numbers that accessors find in them.
+// "glTF 2.0 Specification", The Khronos Group, 2021: its JSON, its buffers, and the numbers that accessors find in
+// them.
 namespace tri::io_detail {
 
 /// The numbers of an accessor, as doubles, which hold every type of glTF exactly; normalised integers as fractions.
@@ -20,13 +21,14 @@ struct GltfValues {
   std::vector<double> values;  ///< count * components
 };
 
-/// A glTF file, not trusted: every index, offset and count is checked against what is there before it is used. Errors name
-/// the element ("accessors[3].count").
+/// A glTF file, not trusted: every index, offset and count is checked against what is there before it is used. Errors
+/// name the element ("accessors[3].count").
 class GltfDocument {
  public:
   using Json = nlohmann::json;
 
-  /// Reads GLB or JSON. Buffers are opened when they are needed; those in files of their own relative to the folder of `file`.
+  /// Reads GLB or JSON. Buffers are opened when they are needed; those in files of their own relative to the folder of
+  /// `file`.
   /// @param bytes must outlive the object @throws IoError
   GltfDocument(std::string_view bytes, const std::string& file, MeshFileInfo& info);
 

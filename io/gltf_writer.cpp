@@ -14,8 +14,8 @@
 #include "io/part_runs.hpp"
 #include "meshops/error.hpp"
 
-// "glTF 2.0 Specification", The Khronos Group, 2021. Coordinates stay in millimetres, as floats; a node with a scale of 0.001
-// makes them the metres of the standard. So what was floats in millimetres before (binary STL) is not rounded.
+// "glTF 2.0 Specification", The Khronos Group, 2021. Coordinates stay in millimetres, as floats; a node with a scale of
+// 0.001 makes them the metres of the standard. So what was floats in millimetres before (binary STL) is not rounded.
 namespace tri::io_detail {
 namespace {
 
@@ -28,7 +28,8 @@ constexpr std::size_t most_primitives = 10'000;
 
 class GltfWriter {
  public:
-  GltfWriter(const Soup& soup, Context& context, MeshWriteReport& report) : soup_(soup), context_(context), report_(report) {}
+  GltfWriter(const Soup& soup, Context& context, MeshWriteReport& report)
+      : soup_(soup), context_(context), report_(report) {}
 
   /// @return the JSON; the bytes of its one buffer are in `bytes`
   Json run() {
@@ -39,7 +40,7 @@ class GltfWriter {
     if (!soup_.triangles.empty())
       scene(attributes());
     else
-      json_["scenes"] = {Json::object()};
+      json_["scenes"] = Json::array({Json::object()});
     if (!bytes.empty()) json_["buffers"] = {{{"byteLength", bytes.size()}}};
     return std::move(json_);
   }
@@ -56,7 +57,8 @@ class GltfWriter {
     if (s == soup_.corner_scalars.end() || t == soup_.corner_scalars.end()) return;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       if (std::isfinite(s->second[i]) && std::isfinite(t->second[i])) continue;
-      report_.notes.emplace_back("texture coordinates were not written: not every corner has them, and glTF holds only finite ones");
+      report_.notes.emplace_back(
+          "texture coordinates were not written: not every corner has them, and glTF holds only finite ones");
       return;
     }
     using Place = std::array<double, 2>;
@@ -80,7 +82,8 @@ class GltfWriter {
       }
     }
     if (!copies.empty())
-      report_.notes.push_back(fmt::format("{} vertices were doubled: glTF holds one texture coordinate for each", copies.size()));
+      report_.notes.push_back(
+          fmt::format("{} vertices were doubled: glTF holds one texture coordinate for each", copies.size()));
   }
 
   template <class Value>
@@ -90,12 +93,14 @@ class GltfWriter {
 
   /// @return number of the view of the bytes from `begin` on
   std::size_t view(std::size_t begin, int target) {
-    json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", bytes.size() - begin}, {"target", target}});
+    json_["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", begin}, {"byteLength", bytes.size() - begin}, {"target", target}});
     return json_["bufferViews"].size() - 1;
   }
 
   std::size_t accessor(std::size_t view, std::size_t offset, int component, std::size_t count, const char* type) {
-    json_["accessors"].push_back({{"bufferView", view}, {"byteOffset", offset}, {"componentType", component}, {"count", count}, {"type", type}});
+    json_["accessors"].push_back(
+        {{"bufferView", view}, {"byteOffset", offset}, {"componentType", component}, {"count", count}, {"type", type}});
     return json_["accessors"].size() - 1;
   }
 
@@ -155,11 +160,14 @@ class GltfWriter {
     for (const auto& [name, values] : soup_.vertex_scalars) {
       const double most = static_cast<double>(std::numeric_limits<float>::max());
       if (std::all_of(values.begin(), values.end(), [most](double v) { return std::abs(v) <= most; }))
-        result["_" + name] = floats(name.c_str(), "SCALAR", [&, &list = values](std::size_t i) { return std::array<double, 1>{list[source_[i]]}; });
+        result["_" + name] = floats(name.c_str(), "SCALAR", [&, &list = values](std::size_t i) {
+          return std::array<double, 1>{list[source_[i]]};
+        });
       else
         lost += (lost.empty() ? "" : ", ") + name;
     }
-    if (!lost.empty()) report_.notes.push_back("vertex scalars that are not finite floats everywhere were not written: " + lost);
+    if (!lost.empty())
+      report_.notes.push_back("vertex scalars that are not finite floats everywhere were not written: " + lost);
   }
 
   std::size_t material(const std::string& name) {
@@ -172,22 +180,26 @@ class GltfWriter {
   void scene(const Json& attributes) {
     std::vector<PartRun> objects = part_runs(soup_, "object"), materials = part_runs(soup_, "material");
     if (objects.size() + materials.size() > most_primitives) {
-      report_.notes.push_back(fmt::format("objects and materials change more than {} times from triangle to triangle: they were not written", most_primitives));
+      report_.notes.push_back(fmt::format(
+          "objects and materials change more than {} times from triangle to triangle: they were not written",
+          most_primitives));
       objects = materials = {{0, soup_.triangles.size(), -1}};
     }
     const std::size_t begin = bytes.size();
     for (const std::uint32_t v : corners_) put(v);
     const std::size_t indices = view(begin, 34963);
     Json children = Json::array();
-    json_["nodes"] = {Json::object()};
+    json_["nodes"] = Json::array({Json::object()});
     std::size_t m = 0;
     for (const PartRun& object : objects) {
       Json primitives = Json::array();
       for (std::size_t at = object.begin; at < object.end;) {
         while (materials[m].end <= at) ++m;
         const std::size_t end = std::min(materials[m].end, object.end);
-        primitives.push_back({{"attributes", attributes}, {"indices", accessor(indices, 12 * at, index_type, 3 * (end - at), "SCALAR")}});
-        if (const std::string* name = label_name(soup_, "material", materials[m].label)) primitives.back()["material"] = material(*name);
+        primitives.push_back({{"attributes", attributes},
+                              {"indices", accessor(indices, 12 * at, index_type, 3 * (end - at), "SCALAR")}});
+        if (const std::string* name = label_name(soup_, "material", materials[m].label))
+          primitives.back()["material"] = material(*name);
         at = end;
       }
       json_["meshes"].push_back({{"primitives", primitives}});
@@ -211,7 +223,9 @@ class GltfWriter {
   std::string rounded_;
 };
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 void put_chunk(AtomicFile& file, std::uint32_t type, const std::string& content) {
   file.write_value(static_cast<std::uint32_t>(content.size()));
@@ -234,7 +248,8 @@ void write_gltf(AtomicFile& file, const Soup& soup, bool binary, Context& contex
   text.resize((text.size() + 3) / 4 * 4, ' ');
   bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
   const std::size_t size = 12 + 8 + text.size() + (bytes.empty() ? 0 : 8 + bytes.size());
-  if (size > std::numeric_limits<std::uint32_t>::max()) throw InvalidInput("a GLB file counts its bytes in 32 bits: this mesh is too large for it");
+  if (size > std::numeric_limits<std::uint32_t>::max())
+    throw InvalidInput("a GLB file counts its bytes in 32 bits: this mesh is too large for it");
   file.write("glTF");
   file.write_value(std::uint32_t{2});
   file.write_value(static_cast<std::uint32_t>(size));

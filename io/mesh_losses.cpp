@@ -15,14 +15,18 @@ namespace {
 /// Every triangle has a colour of whole numbers, or none at all (NaN).
 bool has_writable_face_colors(const Soup& soup) {
   if (!has_face_colors(soup)) return false;
-  const std::vector<double>&red = soup.face_scalars.at("red"), &green = soup.face_scalars.at("green"), &blue = soup.face_scalars.at("blue");
+  const std::vector<double>&red = soup.face_scalars.at("red"), &green = soup.face_scalars.at("green"),
+        &blue = soup.face_scalars.at("blue");
   std::array<std::uint8_t, 3> color{};
   for (std::size_t i = 0; i < soup.triangles.size(); ++i)
-    if (!face_color(soup, i, color) && !(std::isnan(red[i]) && std::isnan(green[i]) && std::isnan(blue[i]))) return false;
+    if (!face_color(soup, i, color) && !(std::isnan(red[i]) && std::isnan(green[i]) && std::isnan(blue[i])))
+      return false;
   return true;
 }
 
-bool is_color(const std::string& name) { return name == "red" || name == "green" || name == "blue"; }
+bool is_color(const std::string& name) {
+  return name == "red" || name == "green" || name == "blue";
+}
 
 /// Whether the format has a place for this face scalar.
 bool holds_face_scalar(const Soup& soup, const std::string& name, const std::vector<double>& values, MeshFormat format,
@@ -98,19 +102,23 @@ std::vector<std::array<double, 2>> vertex_textures(const Soup& soup) {
 
 void note_what_is_lost(const Soup& soup, bool ascii, MeshWriteReport& report) {
   const std::string format(name_of(report.format));
-  const bool no_vertices = report.format == MeshFormat::stl || (report.format == MeshFormat::gltf && soup.triangles.empty());
+  const bool no_vertices =
+      report.format == MeshFormat::stl || (report.format == MeshFormat::gltf && soup.triangles.empty());
   if (const std::size_t unused = no_vertices ? unused_vertices(soup) : 0; unused > 0)
     report.notes.push_back(fmt::format("{} holds no vertex without a triangle: {} were not written", format, unused));
   if (!soup.vertex_normals.empty() && !holds_normals(soup, report.format)) {
     if (report.format == MeshFormat::obj)
-      report.notes.emplace_back("vertices keep no normals of their own: corners have theirs, and OBJ holds one for each corner");
+      report.notes.emplace_back(
+          "vertices keep no normals of their own: corners have theirs, and OBJ holds one for each corner");
     else
       report.notes.push_back(format + " holds no vertex normals: they were not written");
   }
   if (!soup.vertex_colors.empty() && report.format == MeshFormat::stl)
     report.notes.push_back(format + " holds no vertex colours: they were not written");
   std::array<std::string, 4> lost;
-  const auto lose = [&](std::size_t kind, const std::string& name) { lost[kind] += (lost[kind].empty() ? "" : ", ") + name; };
+  const auto lose = [&](std::size_t kind, const std::string& name) {
+    lost[kind] += (lost[kind].empty() ? "" : ", ") + name;
+  };
   const bool names_scalars = report.format == MeshFormat::ply || report.format == MeshFormat::vtk;
   for (const auto& [name, values] : soup.vertex_scalars)
     if (!names_scalars && report.format != MeshFormat::gltf) lose(0, name);
@@ -120,7 +128,8 @@ void note_what_is_lost(const Soup& soup, bool ascii, MeshWriteReport& report) {
     if (!holds_corner_scalar(soup, name, report.format)) lose(2, name);
   for (const auto& [name, values] : soup.face_labels)
     if (names_scalars) lose(3, name);
-  static constexpr const char* kinds[] = {"vertex scalars", "face scalars", "scalars of corners", "names (their numbers were written)"};
+  static constexpr const char* kinds[] = {"vertex scalars", "face scalars", "scalars of corners",
+                                          "names (their numbers were written)"};
   for (std::size_t kind = 0; kind < lost.size(); ++kind)
     if (!lost[kind].empty())
       report.notes.push_back(fmt::format("{} holds no {}: {} were not written", format, kinds[kind], lost[kind]));

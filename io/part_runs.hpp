@@ -18,7 +18,8 @@ struct PartRun {
 inline const std::string* label_name(const Soup& soup, const std::string& scalar, double label) {
   const auto labels = soup.face_labels.find(scalar);
   if (labels == soup.face_labels.end() || !(label >= 0) || label != std::floor(label)) return nullptr;
-  return label < static_cast<double>(labels->second.size()) ? &labels->second[static_cast<std::size_t>(label)] : nullptr;
+  return label < static_cast<double>(labels->second.size()) ? &labels->second[static_cast<std::size_t>(label)]
+                                                            : nullptr;
 }
 
 /// Where the labels of a face scalar change, values without a name being none; one run over all without labels.
@@ -34,8 +35,9 @@ inline std::vector<PartRun> part_runs(const Soup& soup, const std::string& scala
   return runs;
 }
 
-/// The labels of a face scalar are runs of triangles and of vertices: each label has its own of both, side by side and in the
-/// same order, as in a file that holds one part after another. Vertices in no triangle belong to the part before.
+/// The labels of a face scalar are runs of triangles and of vertices: each label has its own of both, side by side and
+/// in the same order, as in a file that holds one part after another. Vertices in no triangle belong to the part
+/// before.
 /// @param[out] first_vertex of each run
 inline bool separate_parts(const Soup& soup, const std::vector<PartRun>& runs, std::vector<std::size_t>& first_vertex) {
   first_vertex.assign(1, 0);

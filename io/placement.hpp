@@ -10,7 +10,7 @@ namespace tri::io_detail {
 /// An affine map of space, p -> L p + t: where a scene (3MF, glTF) puts a mesh.
 struct Placement {
   std::array<Vec3, 3> rows{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};  ///< of L
-  Vec3 offset = Vec3(0, 0, 0);                                             ///< t
+  Vec3 offset = Vec3(0, 0, 0);                                            ///< t
 
   static Placement scaled(double factor) {
     return {{Vec3(factor, 0, 0), Vec3(0, factor, 0), Vec3(0, 0, factor)}, Vec3(0, 0, 0)};
@@ -30,10 +30,12 @@ struct Placement {
   /// Stretches every direction by the same factor above 0, and does nothing else.
   bool uniform() const {
     const double s = rows[0][0];
-    return s > 0 && rows[0] == Vec3(s, 0, 0) && rows[1] == Vec3(0, s, 0) && rows[2] == Vec3(0, 0, s) && offset == Vec3(0, 0, 0);
+    return s > 0 && rows[0] == Vec3(s, 0, 0) && rows[1] == Vec3(0, s, 0) && rows[2] == Vec3(0, 0, s) &&
+           offset == Vec3(0, 0, 0);
   }
 
-  /// Where a point goes. The coordinates of a uniform placement are rounded once at most, and not at all by a factor of 1.
+  /// Where a point goes. The coordinates of a uniform placement are rounded once at most, and not at all by a factor
+  /// of 1.
   Vec3 point(const Vec3& p) const {
     if (uniform()) return p * rows[0][0];
     return Vec3(rows[0] | p, rows[1] | p, rows[2] | p) + offset;
@@ -41,7 +43,8 @@ struct Placement {
 
   double determinant() const { return rows[0] | (rows[1] % rows[2]); }
 
-  /// Where a unit normal goes: to unit length; as it is if the placement is uniform, has no volume, or the normal no length.
+  /// Where a unit normal goes: to unit length; as it is if the placement is uniform, has no volume, or the normal no
+  /// length.
   Vec3 normal(const Vec3& n) const {
     const double volume = determinant();
     if (uniform() || volume == 0) return n;
@@ -55,8 +58,10 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// How many elements the copies of meshes that a file of `bytes` bytes asks for may have in all. Files that name one mesh
-/// over and over, level within level, would otherwise ask for any amount of memory.
-inline std::size_t instance_budget(std::size_t bytes) { return 1'000'000 + 64 * bytes; }
+/// How many elements the copies of meshes that a file of `bytes` bytes asks for may have in all. Files that name one
+/// mesh over and over, level within level, would otherwise ask for any amount of memory.
+inline std::size_t instance_budget(std::size_t bytes) {
+  return 1'000'000 + 64 * bytes;
+}
 
 }  // namespace tri::io_detail

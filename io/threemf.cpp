@@ -29,7 +29,8 @@ class Assembler {
       // Against the specification, but found: without a list of what to build, every object is meant.
       for (const auto& [number, object] : root.objects)
         if (!object.triangles.empty()) place({number, "", {}}, start, unit, 0);
-      if (!root.objects.empty()) info_.notes.emplace_back("there is no list of what to build: every object with triangles was taken");
+      if (!root.objects.empty())
+        info_.notes.emplace_back("there is no list of what to build: every object with triangles was taken");
     }
     finish_notes(root);
     finish_colors();
@@ -54,19 +55,24 @@ class Assembler {
     context_.checkpoint();
     const std::string part = what.part.empty() ? from : what.part.substr(what.part.starts_with('/') ? 1 : 0);
     if (depth > 64)
-      throw IoError(file_, fmt::format("object {} of {}: components within components deeper than 64, or without end", what.object, part));
+      throw IoError(file_, fmt::format("object {} of {}: components within components deeper than 64, or without end",
+                                       what.object, part));
     const ThreemfModel& source = model(part);
     const auto found = source.objects.find(what.object);
-    if (found == source.objects.end()) throw IoError(file_, fmt::format("{} has no object {}, which is placed", part, what.object));
+    if (found == source.objects.end())
+      throw IoError(file_, fmt::format("{} has no object {}, which is placed", part, what.object));
     const ThreemfObject& object = found->second;
     placed_ += 1 + object.points.size() + object.triangles.size();
     if (placed_ > instance_budget(info_.bytes) + elements_)
-      throw IoError(file_, fmt::format("object {} of {}: copies of copies come to more than {} elements, absurd for a file of {} bytes",
-                                       what.object, part, placed_, info_.bytes));
+      throw IoError(
+          file_,
+          fmt::format("object {} of {}: copies of copies come to more than {} elements, absurd for a file of {} bytes",
+                      what.object, part, placed_, info_.bytes));
     if (soup_.points.size() + object.points.size() >= std::numeric_limits<std::uint32_t>::max())
       throw IoError(file_, "more vertices than a 32-bit index counts");
     if (!object.triangles.empty() || !object.points.empty()) append(object, source, placement, what.object, part);
-    for (const ThreemfComponent& component : object.components) place(component, part, placement * component.placement, depth + 1);
+    for (const ThreemfComponent& component : object.components)
+      place(component, part, placement * component.placement, depth + 1);
   }
 
   void append(const ThreemfObject& object, const ThreemfModel& source, const Placement& placement, std::uint32_t number,
@@ -77,23 +83,27 @@ class Assembler {
     for (const Vec3& p : object.points) {
       const Vec3 q = placement.point(p);
       if (!std::isfinite(q[0]) || !std::isfinite(q[1]) || !std::isfinite(q[2]))
-        throw IoError(file_, fmt::format("object {} of {}: its transform takes vertex {} beyond all numbers", number, part,
-                                         soup_.points.size() - base));
+        throw IoError(file_, fmt::format("object {} of {}: its transform takes vertex {} beyond all numbers", number,
+                                         part, soup_.points.size() - base));
       soup_.points.push_back(q);
     }
     const bool mirrored = placement.determinant() < 0;
     mirrored_ += mirrored;
     for (std::size_t i = 0; i < object.triangles.size(); ++i) {
       const Triangle& t = object.triangles[i];
-      const std::array<std::size_t, 3> order = mirrored ? std::array<std::size_t, 3>{0, 2, 1} : std::array<std::size_t, 3>{0, 1, 2};
+      const std::array<std::size_t, 3> order =
+          mirrored ? std::array<std::size_t, 3>{0, 2, 1} : std::array<std::size_t, 3>{0, 1, 2};
       soup_.triangles.push_back({base + t[order[0]], base + t[order[1]], base + t[order[2]]});
-      add_property(object.properties.empty() ? ThreemfProperty{} : object.properties[i], source, order, number, part, i);
+      add_property(object.properties.empty() ? ThreemfProperty{} : object.properties[i], source, order, number, part,
+                   i);
     }
-    objects_.fill(soup_.triangles.size(), objects_.own_label(object.name.empty() ? fmt::format("object {}", number) : object.name));
+    objects_.fill(soup_.triangles.size(),
+                  objects_.own_label(object.name.empty() ? fmt::format("object {}", number) : object.name));
   }
 
-  void add_property(const ThreemfProperty& property, const ThreemfModel& source, const std::array<std::size_t, 3>& order,
-                    std::uint32_t number, const std::string& part, std::size_t triangle) {
+  void add_property(const ThreemfProperty& property, const ThreemfModel& source,
+                    const std::array<std::size_t, 3>& order, std::uint32_t number, const std::string& part,
+                    std::size_t triangle) {
     double material = -1;
     const auto list = property.list ? source.colors.find(property.list) : source.colors.end();
     if (list != source.colors.end()) {
@@ -102,8 +112,8 @@ class Assembler {
       for (const std::size_t k : order) {
         const std::uint32_t entry = property.entry[colors.materials ? 0 : k];  // of base materials the first counts
         if (entry >= colors.colors.size())
-          throw IoError(file_, fmt::format("{}: triangle {} of object {} names entry {} of the {} of resource {}", part, triangle, number,
-                                           entry, colors.colors.size(), property.list));
+          throw IoError(file_, fmt::format("{}: triangle {} of object {} names entry {} of the {} of resource {}", part,
+                                           triangle, number, entry, colors.colors.size(), property.list));
         colors_.push_back({true, colors.colors[entry]});
       }
       if (colors.materials) {
@@ -147,10 +157,15 @@ class Assembler {
 
   void finish_notes(const ThreemfModel& root) {
     if (root.unit != 1)
-      info_.notes.push_back(fmt::format("the unit of the file is the {}: coordinates were multiplied by {} to millimetres", root.unit_name, root.unit));
-    if (mirrored_ > 0) info_.notes.push_back(fmt::format("{} objects are mirrored by their transform: their triangles were reversed", mirrored_));
+      info_.notes.push_back(
+          fmt::format("the unit of the file is the {}: coordinates were multiplied by {} to millimetres",
+                      root.unit_name, root.unit));
+    if (mirrored_ > 0)
+      info_.notes.push_back(
+          fmt::format("{} objects are mirrored by their transform: their triangles were reversed", mirrored_));
     if (other_properties_ > 0)
-      info_.notes.push_back(fmt::format("the properties of {} triangles (textures, mixtures …) are not kept", other_properties_));
+      info_.notes.push_back(
+          fmt::format("the properties of {} triangles (textures, mixtures …) are not kept", other_properties_));
     std::uint64_t transparent = 0;
     std::map<std::string, std::uint64_t> left;
     for (const auto& [part, read] : models_) {

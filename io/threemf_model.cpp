@@ -20,9 +20,10 @@ class ModelReader {
  public:
   ModelReader(const std::string& file, const std::string& part, Context& context)
       : context_(context),
-        xml_(file, part,
-             [this](std::string_view space, std::string_view name, const XmlAttributes& a) { start(space, name, a); },
-             [this](std::string_view name) { end(name); }) {}
+        xml_(
+            file, part,
+            [this](std::string_view space, std::string_view name, const XmlAttributes& a) { start(space, name, a); },
+            [this](std::string_view name) { end(name); }) {}
 
   ThreemfModel run(const ZipArchive& archive, const std::string& part) {
     archive.read(part, [this](std::string_view piece) {
@@ -95,14 +96,16 @@ class ModelReader {
     } else if (name != "resources" && name != "build" && name != "mesh" && name != "vertices" && name != "triangles" &&
                name != "components") {
       // Titles, dates and the like are about the file, not about the mesh.
-      if (name == "metadata" || name == "metadatagroup") skipped_ = 1;
-      else leave(name);
+      if (name == "metadata" || name == "metadatagroup")
+        skipped_ = 1;
+      else
+        leave(name);
     }
   }
 
   void set_unit(std::string_view unit) {
-    static constexpr std::pair<std::string_view, double> units[] = {{"micron", 0.001},   {"millimeter", 1}, {"centimeter", 10},
-                                                                    {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}};
+    static constexpr std::pair<std::string_view, double> units[] = {
+        {"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}};
     for (const auto& [name, size] : units) {
       if (name != unit) continue;
       model_.unit = size;
@@ -117,7 +120,8 @@ class ModelReader {
     const std::string_view digits(text ? text : "");
     const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (digits.empty() || result.ec != std::errc() || result.ptr != digits.data() + digits.size())
-      xml_.fail(text ? fmt::format("{} is {}, which is no index", what, io_detail::quoted(digits)) : fmt::format("there is no {}", what));
+      xml_.fail(text ? fmt::format("{} is {}, which is no index", what, io_detail::quoted(digits))
+                     : fmt::format("there is no {}", what));
     return value;
   }
   std::uint32_t id(const XmlAttributes& a, const char* name) {
@@ -130,7 +134,8 @@ class ModelReader {
     const char* text = a.find(name);
     double value = 0;
     if (!text) xml_.fail(fmt::format("a vertex without {}", name));
-    if (!parse_number(text, value)) xml_.fail(fmt::format("{} is {}, which is no number", name, io_detail::quoted(text)));
+    if (!parse_number(text, value))
+      xml_.fail(fmt::format("{} is {}, which is no number", name, io_detail::quoted(text)));
     if (!std::isfinite(value)) xml_.fail(fmt::format("{} is {}, which is not finite", name, io_detail::quoted(text)));
     return value;
   }
@@ -151,7 +156,8 @@ class ModelReader {
 
   void vertex(const XmlAttributes& a) {
     if (!object_) xml_.fail("a vertex outside of an object");
-    if (object_->points.size() >= std::numeric_limits<std::uint32_t>::max()) xml_.fail("more vertices than a 32-bit index counts");
+    if (object_->points.size() >= std::numeric_limits<std::uint32_t>::max())
+      xml_.fail("more vertices than a 32-bit index counts");
     const double x = coordinate(a, "x"), y = coordinate(a, "y"), z = coordinate(a, "z");
     object_->points.emplace_back(x, y, z);
   }
@@ -164,7 +170,8 @@ class ModelReader {
       corners[k] = number(a.find(names[k]), names[k]);
       // Vertices come first, so that the place can be named at once.
       if (corners[k] >= object_->points.size())
-        xml_.fail(fmt::format("{} is {}, but the object has {} vertices", names[k], corners[k], object_->points.size()));
+        xml_.fail(
+            fmt::format("{} is {}, but the object has {} vertices", names[k], corners[k], object_->points.size()));
     }
     ThreemfProperty property = own_;
     if (const char* list = a.find("pid")) property = {number(list, "pid"), {}};
@@ -181,7 +188,8 @@ class ModelReader {
   }
 
   void check_triangles() {
-    if (!object_->triangles.empty() && !object_->components.empty()) xml_.fail("an object with a mesh and with components");
+    if (!object_->triangles.empty() && !object_->components.empty())
+      xml_.fail("an object with a mesh and with components");
     if (!object_->properties.empty()) object_->properties.resize(object_->triangles.size());
   }
 
@@ -237,21 +245,23 @@ class ModelReader {
     const std::string_view all(text ? text : "");
     std::uint32_t value = 0;
     const bool sized = all.size() == 7 || all.size() == 9;
-    const auto result = sized ? std::from_chars(all.data() + 1, all.data() + all.size(), value, 16) : std::from_chars_result{};
+    const auto result =
+        sized ? std::from_chars(all.data() + 1, all.data() + all.size(), value, 16) : std::from_chars_result{};
     if (!sized || all[0] != '#' || result.ec != std::errc() || result.ptr != all.data() + all.size())
       xml_.fail(fmt::format("the colour {} is not #RRGGBB or #RRGGBBAA", io_detail::quoted(all)));
     if (all.size() == 9) {
       model_.transparent += (value & 0xFF) != 0xFF;
       value >>= 8;
     }
-    return {static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+    return {static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+            static_cast<std::uint8_t>(value)};
   }
 
   Context& context_;
   ThreemfModel model_;
   ThreemfObject* object_ = nullptr;
   ThreemfColors* list_ = nullptr;
-  ThreemfProperty own_;  // of the object, for triangles that name none
+  ThreemfProperty own_;      // of the object, for triangles that name none
   std::size_t skipped_ = 0;  // depth within an element that is left out
   bool model_seen_ = false;
   XmlStream xml_;
@@ -259,7 +269,8 @@ class ModelReader {
 
 }  // namespace
 
-ThreemfModel parse_threemf_model(const ZipArchive& archive, const std::string& part, const std::string& file, Context& context) {
+ThreemfModel parse_threemf_model(const ZipArchive& archive, const std::string& part, const std::string& file,
+                                 Context& context) {
   return ModelReader(file, part, context).run(archive, part);
 }
 
@@ -270,7 +281,8 @@ std::string threemf_start_part(const ZipArchive& archive, const std::string& fil
         file, "_rels/.rels",
         [&](std::string_view, std::string_view name, const XmlAttributes& a) {
           const char *type = a.find("Type"), *to = a.find("Target");
-          if (name == "Relationship" && target.empty() && type && to && std::string_view(type).ends_with("/3dmodel")) target = to;
+          if (name == "Relationship" && target.empty() && type && to && std::string_view(type).ends_with("/3dmodel"))
+            target = to;
         },
         [](std::string_view) {});
     archive.read("_rels/.rels", [&](std::string_view piece) { xml.feed(piece, false); });

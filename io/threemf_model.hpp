@@ -20,7 +20,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 
 /// Base materials or a colour group: what properties of triangles name.
 struct ThreemfColors {
-  bool materials = false;          ///< else a colour group
+  bool materials = false;  ///< else a colour group
   std::vector<Rgb> colors;
   std::vector<std::string> names;  ///< of base materials
 };
@@ -50,14 +50,15 @@ struct ThreemfModel {
   std::string unit_name = "millimeter";
   std::map<std::uint32_t, ThreemfObject> objects;
   std::map<std::uint32_t, ThreemfColors> colors;
-  std::vector<ThreemfComponent> items;  ///< of the build
+  std::vector<ThreemfComponent> items;        ///< of the build
   std::map<std::string, std::uint64_t> left;  ///< elements of extensions that were not taken, and how often
-  std::uint64_t transparent = 0;  ///< colours with an alpha other than opaque
+  std::uint64_t transparent = 0;              ///< colours with an alpha other than opaque
 };
 
 /// Reads one part of the package, as a stream.
 /// @throws IoError naming part and line: not XML, a document type, a number that is none, an index out of range
-ThreemfModel parse_threemf_model(const ZipArchive& archive, const std::string& part, const std::string& file, Context& context);
+ThreemfModel parse_threemf_model(const ZipArchive& archive, const std::string& part, const std::string& file,
+                                 Context& context);
 
 /// The part that the relationships of the package name as its 3D model; by custom 3D/3dmodel.model.
 std::string threemf_start_part(const ZipArchive& archive, const std::string& file);

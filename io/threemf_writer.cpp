@@ -27,19 +27,22 @@ constexpr const char* relationships =
 
 class ModelWriter {
  public:
-  ModelWriter(const Soup& soup, Context& context, MeshWriteReport& report) : soup_(soup), context_(context), report_(report) {}
+  ModelWriter(const Soup& soup, Context& context, MeshWriteReport& report)
+      : soup_(soup), context_(context), report_(report) {}
 
   std::string run() {
     out_ =
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-        "<model unit=\"millimeter\" xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "
+        "<model unit=\"millimeter\" xml:lang=\"en-US\" "
+        "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "
         "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\">\n"
         "<metadata name=\"Application\">tri</metadata>\n<resources>\n";
     colors();
     std::vector<PartRun> runs = part_runs(soup_, "object");
     std::vector<std::size_t> first_vertex;
     if (!separate_parts(soup_, runs, first_vertex)) {
-      report_.notes.emplace_back("the objects share vertices or are mixed: 3MF holds them as one object, without their names");
+      report_.notes.emplace_back(
+          "the objects share vertices or are mixed: 3MF holds them as one object, without their names");
       runs = {{0, soup_.triangles.size(), -1}};
       first_vertex = {0};
     }
@@ -50,7 +53,8 @@ class ModelWriter {
     for (std::size_t r = 0; r < runs.size(); ++r) out_ += fmt::format("<item objectid=\"{}\"/>\n", first_object + r);
     out_ += "</build>\n</model>\n";
     if (repeated_ > 0)
-      report_.notes.push_back(fmt::format("3MF holds no triangle that names a vertex twice: {} were not written", repeated_));
+      report_.notes.push_back(
+          fmt::format("3MF holds no triangle that names a vertex twice: {} were not written", repeated_));
     return std::move(out_);
   }
 
@@ -63,7 +67,9 @@ class ModelWriter {
     out_.append(text, std::to_chars(text, text + sizeof text, value).ptr);
   }
 
-  static std::string hex(const std::array<std::uint8_t, 3>& c) { return fmt::format("#{:02X}{:02X}{:02X}", c[0], c[1], c[2]); }
+  static std::string hex(const std::array<std::uint8_t, 3>& c) {
+    return fmt::format("#{:02X}{:02X}{:02X}", c[0], c[1], c[2]);
+  }
 
   /// One list of colours: a group with those of vertices, else base materials with those of triangles.
   void colors() {
@@ -84,7 +90,8 @@ class ModelWriter {
     std::map<std::pair<std::string, std::string>, std::size_t> numbers;  // of name and colour
     std::string list;
     for (std::size_t i = 0; i < soup_.triangles.size(); ++i) {
-      const std::string* name = materials == soup_.face_scalars.end() ? nullptr : label_name(soup_, "material", materials->second[i]);
+      const std::string* name =
+          materials == soup_.face_scalars.end() ? nullptr : label_name(soup_, "material", materials->second[i]);
       std::array<std::uint8_t, 3> color{};
       const bool has_color = colored && face_color(soup_, i, color);
       if (!name && !has_color) continue;
@@ -99,7 +106,8 @@ class ModelWriter {
 
   void object(std::size_t number, const PartRun& run, std::size_t begin, std::size_t end) {
     out_ += fmt::format("<object id=\"{}\" type=\"model\"", first_object + number);
-    if (const std::string* name = label_name(soup_, "object", run.label)) out_ += fmt::format(" name=\"{}\"", xml_text(*name));
+    if (const std::string* name = label_name(soup_, "object", run.label))
+      out_ += fmt::format(" name=\"{}\"", xml_text(*name));
     if (run.begin < run.end && all_have_properties(run)) out_ += " pid=\"1\" pindex=\"0\"";
     out_ += ">\n<mesh>\n<vertices>\n";
     for (std::size_t i = begin; i < end; ++i) {
@@ -131,7 +139,8 @@ class ModelWriter {
   bool all_have_properties(const PartRun& run) const {
     if (!soup_.vertex_colors.empty()) return true;
     const auto begin = entry_.begin() + static_cast<std::ptrdiff_t>(run.begin);
-    return std::all_of(begin, begin + static_cast<std::ptrdiff_t>(run.end - run.begin), [](std::int64_t e) { return e >= 0; });
+    return std::all_of(begin, begin + static_cast<std::ptrdiff_t>(run.end - run.begin),
+                       [](std::int64_t e) { return e >= 0; });
   }
 
   void property(std::size_t triangle) {

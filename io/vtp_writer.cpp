@@ -7,8 +7,8 @@
 #include "io/mesh_formats.hpp"
 #include "io/xml_text.hpp"
 
-// VTK PolyData in XML with its arrays appended as raw bytes: "VTK File Formats" of the VTK User's Guide, 11th edition. The
-// only encoding of VTK that holds doubles as they are, at memory speed, with named arrays of any type.
+// VTK PolyData in XML with its arrays appended as raw bytes: "VTK File Formats" of the VTK User's Guide, 11th edition.
+// The only encoding of VTK that holds doubles as they are, at memory speed, with named arrays of any type.
 namespace tri::io_detail {
 namespace {
 
@@ -23,8 +23,9 @@ class Arrays {
     const std::uint64_t offset = size_;
     size_ += 8 + bytes;
     arrays_.emplace_back(bytes, std::move(put));
-    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type,
-                       xml_text(name), components, offset);
+    return fmt::format(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type,
+        xml_text(name), components, offset);
   }
   void write(AtomicFile& file, Context& context) const {
     for (std::size_t i = 0; i < arrays_.size(); ++i) {
@@ -41,7 +42,8 @@ class Arrays {
 };
 
 template <class Element>
-std::string whole(Arrays& arrays, const char* type, const std::string& name, std::size_t components, const std::vector<Element>& list) {
+std::string whole(Arrays& arrays, const char* type, const std::string& name, std::size_t components,
+                  const std::vector<Element>& list) {
   const std::string_view bytes(reinterpret_cast<const char*>(list.data()), list.size() * sizeof(Element));
   return arrays.declare(type, name, components, bytes.size(), [bytes](AtomicFile& file) { file.write(bytes); });
 }
@@ -58,8 +60,10 @@ void write_vtp(AtomicFile& file, const Soup& soup, Context& context) {
   static_assert(sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
   Arrays arrays;
   std::string text = fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n"
-      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n<PolyData>\n"
+      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+      "NumberOfPolys=\"{}\">\n",
       soup.points.size(), soup.triangles.size());
   const std::string normals = soup.vertex_normals.empty() ? "" : free_name(soup.vertex_scalars, "Normals");
   const std::string colors = soup.vertex_colors.empty() ? "" : free_name(soup.vertex_scalars, "RGB");

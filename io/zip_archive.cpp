@@ -57,7 +57,8 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
   // Deflate reaches a factor of 1000, text of a mesh at most some 30.
   const std::uint64_t most = 200 * static_cast<std::uint64_t>(size_) + (1 << 20);
   const auto refuse = [&](std::uint64_t size) {
-    throw IoError(file_, fmt::format("{}: unfolds to {} bytes or more, absurd for an archive of {}", name, size, size_));
+    throw IoError(file_,
+                  fmt::format("{}: unfolds to {} bytes or more, absurd for an archive of {}", name, size, size_));
   };
   if (known && (status.valid & ZIP_STAT_SIZE) && status.size > most) refuse(status.size);
   const std::unique_ptr<zip_file_t, CloseFile> entry(
@@ -67,7 +68,8 @@ void ZipArchive::read(const std::string& name, const std::function<void(std::str
   std::uint64_t done = 0;
   while (true) {
     const zip_int64_t count = zip_fread(entry.get(), buffer.data(), buffer.size());
-    if (count < 0) throw IoError(file_, fmt::format("{}: damaged after {} bytes: {}", name, done, zip_file_strerror(entry.get())));
+    if (count < 0)
+      throw IoError(file_, fmt::format("{}: damaged after {} bytes: {}", name, done, zip_file_strerror(entry.get())));
     if (count == 0) return;
     done += static_cast<std::uint64_t>(count);
     if (done > most) refuse(done);
@@ -102,6 +104,8 @@ std::string zip_of(const std::vector<std::pair<std::string, std::string>>& entri
       if (source) zip_source_free(source);
       fail();
     }
+    // Level 4 of 9: for a mesh of a million triangles in a third of the time, and some percent larger.
+    zip_set_file_compression(archive, static_cast<zip_uint64_t>(index), ZIP_CM_DEFLATE, 4);
     // 1 January 1980, the first time that ZIP knows: what is written does not depend on when.
     zip_file_set_dostime(archive, static_cast<zip_uint64_t>(index), 0, (1 << 5) | 1, 0);
   }
@@ -113,7 +117,8 @@ std::string zip_of(const std::vector<std::pair<std::string, std::string>>& entri
   const bool open = zip_source_open(target) == 0;
   const zip_int64_t count = open ? zip_source_read(target, bytes.data(), bytes.size()) : -1;
   if (open) zip_source_close(target);
-  if (count < 0 || static_cast<std::size_t>(count) != bytes.size()) throw IoError(file, "cannot be written: the archive is lost");
+  if (count < 0 || static_cast<std::size_t>(count) != bytes.size())
+    throw IoError(file, "cannot be written: the archive is lost");
   return bytes;
 }
 

@@ -10,8 +10,8 @@
 
 namespace tri::io_detail {
 
-/// A ZIP archive in memory, read with libzip. Untrusted: an entry that claims to unfold to more than 200 times the archive and
-/// one megabyte is refused, and what is unfolded arrives in pieces.
+/// A ZIP archive in memory, read with libzip. Untrusted: an entry that claims to unfold to more than 200 times the
+/// archive and one megabyte is refused, and what is unfolded arrives in pieces.
 class ZipArchive {
  public:
   /// @param bytes must outlive the object @param file for messages

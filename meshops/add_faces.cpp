@@ -147,9 +147,10 @@ void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfe
     if (!has[static_cast<std::size_t>(t)]) inherit(FaceHandle(), t);
 }
 
-/// Gives the corners of new faces the values of the nearest corner of the mesh at the same vertex, counted in faces around it;
-/// of two as near that beyond the next side.
-void inherit_corner_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge, int first_face) {
+/// Gives the corners of new faces the values of the nearest corner of the mesh at the same vertex, counted in faces
+/// around it; of two as near that beyond the next side.
+void inherit_corner_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge,
+                           int first_face) {
   bool any = false;
   for_each_corner_property(mesh, [&](OpenMesh::BaseProperty&) { any = true; });
   if (!any) return;

@@ -34,10 +34,18 @@ inline std::vector<const Operator*> operators_of(Domain domain) {
   return result;
 }
 
-inline MeshView operand(Mesh& mesh) { return view_of(mesh); }
-inline MeshView operand(MeshView view) { return view; }
-inline Soup& operand(Soup& soup) { return soup; }
-inline PointSet& operand(PointSet& points) { return points; }
+inline MeshView operand(Mesh& mesh) {
+  return view_of(mesh);
+}
+inline MeshView operand(MeshView view) {
+  return view;
+}
+inline Soup& operand(Soup& soup) {
+  return soup;
+}
+inline PointSet& operand(PointSet& points) {
+  return points;
+}
 
 /// Runs an operator with default options.
 template <class Value>
@@ -63,9 +71,9 @@ void for_all(const std::function<void(const Operator&, const typename Kind::Valu
   const auto inputs = Kind::inputs();
   for (const Operator* op : operators_of(Kind::domain)) {
     CAPTURE(op->name());
-    for (const auto& [name, value] : inputs) {
-      CAPTURE(name);
-      check(*op, value);
+    for (const auto& input : inputs) {
+      CAPTURE(input.first);
+      check(*op, input.second);
     }
   }
 }

@@ -137,10 +137,10 @@ TEST_CASE("soup contract: an inconsistent soup is refused") {
 }
 
 TEST_CASE("soup contract: made a mesh and a soup again, the attributes are what they were, of copies as well") {
-  for (const auto& [name, soup] : inputs()) {
-    CAPTURE(name);
+  for (const auto& input : inputs()) {
+    CAPTURE(input.first);
     Context context;
-    BuiltMesh built = build_mesh(soup, context);
-    check_attributes(to_soup(view_of(built.mesh)), soup, false);
+    BuiltMesh built = build_mesh(input.second, context);
+    check_attributes(to_soup(view_of(built.mesh)), input.second, false);
   }
 }

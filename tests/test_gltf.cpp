@@ -14,7 +14,8 @@ using Json = nlohmann::json;
 
 /// A glTF document that is put together piece by piece; what a case needs else is changed in `json`.
 struct Document {
-  Json json = Json::parse(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+  Json json =
+      Json::parse(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
       "meshes": [{"primitives": [{"attributes": {}}]}], "accessors": [], "bufferViews": []})");
   std::string bytes;
 
@@ -26,7 +27,8 @@ struct Document {
     return json["bufferViews"].size() - 1;
   }
   std::size_t accessor(const std::string& content, int component, std::size_t count, const char* type) {
-    json["accessors"].push_back({{"bufferView", view(content)}, {"componentType", component}, {"count", count}, {"type", type}});
+    json["accessors"].push_back(
+        {{"bufferView", view(content)}, {"componentType", component}, {"count", count}, {"type", type}});
     return json["accessors"].size() - 1;
   }
   void attribute(const char* name, const std::string& content, int component, std::size_t count, const char* type) {
@@ -39,7 +41,8 @@ struct Document {
   }
   std::string text() {
     if (!json.contains("buffers"))
-      json["buffers"] = {{{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + io_detail::to_base64(bytes)}}};
+      json["buffers"] = {{{"byteLength", bytes.size()},
+                          {"uri", "data:application/octet-stream;base64," + io_detail::to_base64(bytes)}}};
     return json.dump();
   }
   std::string binary() {
@@ -48,8 +51,8 @@ struct Document {
     text.resize((text.size() + 3) / 4 * 4, ' ');
     data.resize((data.size() + 3) / 4 * 4, '\0');
     const auto size = [](const std::string& s) { return static_cast<std::uint32_t>(s.size()); };
-    return "glTF" + raw(std::uint32_t{2}, static_cast<std::uint32_t>(28 + text.size() + data.size()), size(text)) + "JSON" + text +
-           raw(size(data)) + std::string("BIN\0", 4) + data;
+    return "glTF" + raw(std::uint32_t{2}, static_cast<std::uint32_t>(28 + text.size() + data.size()), size(text)) +
+           "JSON" + text + raw(size(data)) + std::string("BIN\0", 4) + data;
   }
 };
 
@@ -60,14 +63,20 @@ Document square() {
   return document;
 }
 
-Soup read(Document& document, MeshFileInfo* info = nullptr) { return parsed(document.text(), "a.gltf", info); }
-std::string error_of(Document& document) { return refused(document.text(), "a.gltf").what(); }
+Soup read(Document& document, MeshFileInfo* info = nullptr) {
+  return parsed(document.text(), "a.gltf", info);
+}
+std::string error_of(Document& document) {
+  return refused(document.text(), "a.gltf").what();
+}
 
 }  // namespace
 
 TEST_CASE("gltf: metres become millimetres, JSON and GLB hold the same") {
   Document document = square();
-  document.indices(raw(std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{2}, std::uint16_t{1}, std::uint16_t{3}), 5123, 6);
+  document.indices(
+      raw(std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{2}, std::uint16_t{1}, std::uint16_t{3}),
+      5123, 6);
   MeshFileInfo info;
   for (const bool binary : {false, true}) {
     const Soup soup = binary ? parsed(document.binary(), "a.glb", &info) : parsed(document.text(), "a.gltf", &info);
@@ -84,8 +93,10 @@ TEST_CASE("gltf: lists, strips and fans, with indices of every type and without"
   const auto with_mode = [](int mode, int type) {
     Document document = square();
     document.primitive()["mode"] = mode;
-    if (type == 5121) document.indices(raw(std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}), type, 4);
-    if (type == 5123) document.indices(raw(std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{3}), type, 4);
+    if (type == 5121)
+      document.indices(raw(std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}), type, 4);
+    if (type == 5123)
+      document.indices(raw(std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{3}), type, 4);
     if (type == 5125) document.indices(raw(0u, 1u, 2u, 3u), type, 4);
     return read(document).triangles;
   };
@@ -117,7 +128,8 @@ TEST_CASE("gltf: nodes put meshes where their transforms say, level within level
   MeshFileInfo info;
   const Soup soup = read(document, &info);
   REQUIRE(soup.points.size() == 8);
-  // The first: stretched along x, turned by 90 degrees about z, moved. (1, 0, 0) -> (2, 0, 0) -> (0, 2, 0) -> (10, 2, 0).
+  // The first: stretched along x, turned by 90 degrees about z, moved. (1, 0, 0) -> (2, 0, 0) -> (0, 2, 0) -> (10, 2,
+  // 0).
   CHECK((soup.points[1] - Vec3(10000, 2000, 0)).norm() < 1e-9);
   CHECK((soup.points[2] - Vec3(9000, 0, 0)).norm() < 1e-9);
   // The second is mirrored: its triangle is turned around, so that it faces +z like the first.
@@ -151,21 +163,26 @@ TEST_CASE("gltf: colours, normals, texture coordinates and an application's numb
   Document document = square();
   document.attribute("NORMAL", raw(0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.f, 1.f, 0.f, 1.f, 0.f, 0.f), 5126, 4, "VEC3");
   // Normalised 16-bit numbers, with a stride of 8 bytes.
-  document.attribute("TEXCOORD_0", raw(std::uint16_t{0}, std::uint16_t{0}, 7, std::uint16_t{65535}, std::uint16_t{0}, 7, std::uint16_t{0},
-                                       std::uint16_t{65535}, 7, std::uint16_t{65535}, std::uint16_t{65535}, 7), 5123, 4, "VEC2");
+  document.attribute("TEXCOORD_0",
+                     raw(std::uint16_t{0}, std::uint16_t{0}, 7, std::uint16_t{65535}, std::uint16_t{0}, 7,
+                         std::uint16_t{0}, std::uint16_t{65535}, 7, std::uint16_t{65535}, std::uint16_t{65535}, 7),
+                     5123, 4, "VEC2");
   document.json["accessors"].back()["normalized"] = true;
   document.json["bufferViews"].back()["byteStride"] = 8;
-  document.attribute("COLOR_0", raw(1.f, 0.f, 0.f, 1.f, 0.f, 1.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.5f, 0.f, 0.f, 0.f, 1.f), 5126, 4, "VEC4");
+  document.attribute("COLOR_0", raw(1.f, 0.f, 0.f, 1.f, 0.f, 1.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.5f, 0.f, 0.f, 0.f, 1.f),
+                     5126, 4, "VEC4");
   // Sparse: zeros, but for one.
   document.json["accessors"].push_back({{"componentType", 5126}, {"count", 4}, {"type", "SCALAR"}});
   document.primitive()["attributes"]["_deviation"] = document.json["accessors"].size() - 1;
   const std::size_t places = document.view(raw(std::uint8_t{2})), values = document.view(raw(-0.25f));
-  document.json["accessors"].back()["sparse"] = {{"count", 1}, {"indices", {{"bufferView", places}, {"componentType", 5121}}},
+  document.json["accessors"].back()["sparse"] = {{"count", 1},
+                                                 {"indices", {{"bufferView", places}, {"componentType", 5121}}},
                                                  {"values", {{"bufferView", values}}}};
   MeshFileInfo info;
   const Soup soup = read(document, &info);
   CHECK(soup.vertex_normals == std::vector<Vec3>{{0, 0, 1}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}});
-  CHECK(soup.vertex_colors == std::vector<std::array<std::uint8_t, 3>>{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {0, 0, 0}});
+  CHECK(soup.vertex_colors ==
+        std::vector<std::array<std::uint8_t, 3>>{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {0, 0, 0}});
   CHECK(soup.vertex_scalars.at("deviation") == std::vector<double>{0, 0, -0.25, 0});
   CHECK(soup.corner_scalars.at("s") == std::vector<double>{0, 1, 0});
   CHECK(soup.corner_scalars.at("t") == std::vector<double>{1, 1, 0});  // from below
@@ -173,7 +190,8 @@ TEST_CASE("gltf: colours, normals, texture coordinates and an application's numb
 }
 
 TEST_CASE("gltf: what is wrong is refused, with the element") {
-  const auto check = [](const std::string& element, const std::string& what, const std::function<void(Document&)>& spoil) {
+  const auto check = [](const std::string& element, const std::string& what,
+                        const std::function<void(Document&)>& spoil) {
     Document document = square();
     document.indices(raw(0u, 1u, 2u), 5125, 3);
     spoil(document);
@@ -197,7 +215,8 @@ TEST_CASE("gltf: what is wrong is refused, with the element") {
   check("accessors[0]", "names bufferViews 9", [](Document& d) { d.json["accessors"][0]["bufferView"] = 9; });
   check("accessors[0]", "every 4 bytes", [](Document& d) { d.json["bufferViews"][0]["byteStride"] = 4; });
   check("bufferViews[0]", "of a buffer of", [](Document& d) { d.json["bufferViews"][0]["byteOffset"] = 1'000'000; });
-  check("bufferViews[0]", "of a buffer of", [](Document& d) { d.json["bufferViews"][0]["byteLength"] = 9007199254740991; });
+  check("bufferViews[0]", "of a buffer of",
+        [](Document& d) { d.json["bufferViews"][0]["byteLength"] = 9007199254740991; });
   check("buffers[0]", "bytes it should have", [](Document& d) {
     d.text();
     d.json["buffers"][0]["byteLength"] = 1'000'000;
@@ -206,10 +225,18 @@ TEST_CASE("gltf: what is wrong is refused, with the element") {
     d.text();
     d.json["buffers"][0]["uri"] = "data:;base64,!!!!";
   });
-  check("buffers[0].uri", "no file", [](Document& d) { d.json["buffers"] = {{{"byteLength", 4}, {"uri", "missing.bin"}}}; });
-  check("buffers[0].uri", "not opened", [](Document& d) { d.json["buffers"] = {{{"byteLength", 4}, {"uri", "../secret"}}}; });
-  check("buffers[0].uri", "not opened", [](Document& d) { d.json["buffers"] = {{{"byteLength", 4}, {"uri", "/etc/passwd"}}}; });
-  check("buffers[0].uri", "not opened", [](Document& d) { d.json["buffers"] = {{{"byteLength", 4}, {"uri", "http://a/b"}}}; });
+  check("buffers[0].uri", "no file", [](Document& d) {
+    d.json["buffers"] = {{{"byteLength", 4}, {"uri", "missing.bin"}}};
+  });
+  check("buffers[0].uri", "not opened", [](Document& d) {
+    d.json["buffers"] = {{{"byteLength", 4}, {"uri", "../secret"}}};
+  });
+  check("buffers[0].uri", "not opened", [](Document& d) {
+    d.json["buffers"] = {{{"byteLength", 4}, {"uri", "/etc/passwd"}}};
+  });
+  check("buffers[0].uri", "not opened", [](Document& d) {
+    d.json["buffers"] = {{{"byteLength", 4}, {"uri", "http://a/b"}}};
+  });
   check("buffers[0]", "no binary chunk", [](Document& d) { d.json["buffers"] = {{{"byteLength", 4}}}; });
   check("nodes[0]", "reached twice", [](Document& d) { d.json["nodes"][0]["children"] = {0}; });
   check("the node tree", "names nodes 7", [](Document& d) { d.json["nodes"][0]["children"] = {7}; });
@@ -222,7 +249,8 @@ TEST_CASE("gltf: what is wrong is refused, with the element") {
   check("meshes[0].primitives[0].attributes.NORMAL", "3 values for 4 vertices",
         [](Document& d) { d.attribute("NORMAL", raw(0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f), 5126, 3, "VEC3"); });
   check("asset.version", "only glTF 2", [](Document& d) { d.json["asset"]["version"] = "1.0"; });
-  check("extensionsRequired", "compressed", [](Document& d) { d.json["extensionsRequired"] = {"KHR_draco_mesh_compression"}; });
+  check("extensionsRequired", "compressed",
+        [](Document& d) { d.json["extensionsRequired"] = {"KHR_draco_mesh_compression"}; });
   check("meshes[0].primitives[0]", "absurd", [](Document& d) {
     // One mesh, named by as many nodes as it takes.
     const std::string zeros(3'000'000, '\0');
@@ -236,7 +264,8 @@ TEST_CASE("gltf: what is wrong is refused, with the element") {
 
 TEST_CASE("gltf: JSON that is damaged, nested without end or a desert of commas is refused at its byte") {
   CHECK(refused("{\"asset\": {\"version\": \"2.0\"},, }", "a.gltf").position() == 29);
-  const std::string deep = "{\"asset\":{\"version\":\"2.0\"},\"extras\":" + std::string(300'000, '[') + std::string(300'000, ']') + "}";
+  const std::string deep =
+      "{\"asset\":{\"version\":\"2.0\"},\"extras\":" + std::string(300'000, '[') + std::string(300'000, ']') + "}";
   CHECK(std::string(refused(deep, "a.gltf").what()).find("nested deeper than 200") != std::string::npos);
   std::string wide = "{\"asset\":{\"version\":\"2.0\"},\"extras\":[0";
   for (int i = 0; i < 2'100'000; ++i) wide += ",0";

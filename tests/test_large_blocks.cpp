@@ -1,4 +1,5 @@
-// The allocator of the program, linked into this test alone: operator new and delete are replaced in the whole executable.
+// The allocator of the program, linked into this test alone: operator new and delete are replaced in the whole
+// executable.
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>
@@ -21,7 +22,9 @@ namespace {
 
 constexpr std::size_t large = std::size_t{1} << 20;  // from this size on
 
-std::uintptr_t address(const void* block) { return reinterpret_cast<std::uintptr_t>(block); }
+std::uintptr_t address(const void* block) {
+  return reinterpret_cast<std::uintptr_t>(block);
+}
 
 struct Block {
   unsigned char* at;
@@ -29,7 +32,9 @@ struct Block {
   unsigned char mark;
 };
 
-void fill(const Block& block) { std::memset(block.at, block.mark, block.size); }
+void fill(const Block& block) {
+  std::memset(block.at, block.mark, block.size);
+}
 
 bool intact(const Block& block) {
   return std::all_of(block.at, block.at + block.size, [&](unsigned char c) { return c == block.mark; });
@@ -70,7 +75,7 @@ void churn(unsigned seed, std::size_t smallest, std::size_t largest, int steps) 
 }  // namespace
 
 TEST_CASE("large_blocks: blocks in use never overlap and keep what is written, whatever the order of giving back") {
-  churn(1, large / 2, 4 * large, 600);   // on both sides of the border
+  churn(1, large / 2, 4 * large, 600);  // on both sides of the border
   churn(2, large, large + 200'000, 600);
 }
 
@@ -134,7 +139,8 @@ TEST_CASE("large_blocks: nothing is a block as well, and what no machine has is 
   ::operator delete(none);
   ::operator delete(other);
   ::operator delete(nullptr);
-  for (const std::size_t size : {std::size_t{1} << 50, std::numeric_limits<std::size_t>::max(), std::numeric_limits<std::size_t>::max() - 100})
+  for (const std::size_t size :
+       {std::size_t{1} << 50, std::numeric_limits<std::size_t>::max(), std::numeric_limits<std::size_t>::max() - 100})
     CHECK_THROWS_AS(::operator delete(::operator new(size)), std::bad_alloc);
 }
 

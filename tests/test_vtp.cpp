@@ -66,5 +66,6 @@ TEST_CASE("vtp: reading it is refused with the reason") {
   TemporaryFolder folder;
   Context context;
   write_mesh(folder / "a.vtp", cube(), {}, context);
-  CHECK(std::string(refused(file_bytes(folder / "a.vtp"), "a.vtp").what()).find("VTK file, which is written only") != std::string::npos);
+  CHECK(std::string(refused(file_bytes(folder / "a.vtp"), "a.vtp").what()).find("VTK file, which is written only") !=
+        std::string::npos);
 }
