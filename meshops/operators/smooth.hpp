@@ -49,7 +49,7 @@ struct SmoothOptions {
 /// Laplace and Taubin weigh all neighbours alike. Cotangent is the implicit flow of `CurvatureFlow`, with new weights
 /// in every iteration: of the ways to use these weights it is the one that needles do not disturb (an explicit flow
 /// with them left 0.44 of the noise and turned triangles over where a seventh of the edges had been split into needles;
-/// the implicit one 0.16, turning over none). An iteration costs some 10 times that of laplace, several times
+/// the implicit one 0.16, turning over none). An iteration costs some 20 times that of laplace, several times
 /// more with many needles.
 ///
 /// Creases and corners are those of `find_features` with `feature_angle`, `min_feature_edges` and `Noise::unknown`,
