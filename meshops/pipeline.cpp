@@ -225,7 +225,7 @@ std::vector<Pipeline::Step> Pipeline::plan(Domain input, Domain* result) const {
 std::vector<Report> Pipeline::run(MeshView mesh, Context& context) const {
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const Operator& op = *steps_[i].op;
-    if (!is_mesh(op.domain()) || !is_mesh(op.result()))
+    if (op.domain() == Domain::points || op.result() != op.domain())
       throw InvalidInput(place(i, op) + "does not work on a mesh in place");
   }
   std::vector<Report> reports;

@@ -76,7 +76,7 @@ class Pipeline {
   /// @param result if not null, receives the domain of what the last step leaves
   std::vector<Step> plan(Domain input, Domain* result = nullptr) const;
 
-  /// Runs on a mesh in place. Reports come in the order of the steps.
+  /// Runs on a mesh in place, operators on soups too (see `run_on_mesh`). Reports come in the order of the steps.
   /// @throws InvalidInput before anything runs if a step does not work on a mesh; Cancelled, and what the operators
   /// throw (an
   ///   InvalidInput is prefixed with the step). The steps before the failing one have been done; the mesh is valid.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "meshops/error.hpp"
+#include "meshops/soup_on_mesh.hpp"
 
 namespace tri {
 namespace {
@@ -41,6 +42,10 @@ Domain domain_of(const Geometry& geometry) {
 }
 
 Report Operator::run(MeshView mesh, const void* options, Context& context) const {
+  if (run_soup_) {
+    const auto op = [&](Soup& soup) { return run_soup_(soup, options, context); };
+    return timed(name_, [&] { return run_on_mesh(op, mesh, context); });
+  }
   if (!run_mesh_) throw InvalidInput(fmt::format("{} works on {}, not on a mesh", name_, to_string(domain_)));
   return timed(name_, [&] { return run_mesh_(mesh, options, context); });
 }

@@ -43,8 +43,9 @@ class Operator {
   const Promises& promises() const { return promises_; }
   Key key() const { return key_; }
 
-  /// Runs a mesh operator; the report has its `operation` and `seconds` filled.
-  /// @throws InvalidInput if an option is out of range or this is no mesh operator; else what the operator's header
+  /// Runs on a mesh in place, also an operator on soups (see `run_on_mesh`); the report has its `operation` and `seconds`
+  /// filled.
+  /// @throws InvalidInput if an option is out of range or this is a conversion or works on points; else what the operator's header
   /// says.
   Report run(MeshView mesh, const void* options, Context& context) const;
   /// The same for operators on points, and for those on soups.

@@ -26,10 +26,10 @@ void to_kernel(const Mesh& source, Kernel& target) {
   target.clear();
   target.assign_connectivity(source);
   // OpenMesh copies what a status marks, not the status itself.
-  target.request_vertex_status();
-  target.request_edge_status();
-  target.request_halfedge_status();
-  target.request_face_status();
+  if (!target.has_vertex_status()) target.request_vertex_status();
+  if (!target.has_edge_status()) target.request_edge_status();
+  if (!target.has_halfedge_status()) target.request_halfedge_status();
+  if (!target.has_face_status()) target.request_face_status();
   for (const VertexHandle v : source.all_vertices()) target.status(v) = source.status(v);
   for (const EdgeHandle e : source.all_edges()) target.status(e) = source.status(e);
   for (const HalfedgeHandle h : source.all_halfedges()) target.status(h) = source.status(h);

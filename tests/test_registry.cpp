@@ -76,8 +76,10 @@ TEST_CASE("registry: operators on soups, and a domain that does not fit") {
   Context context;
   CHECK(op.run(soup, &options, context).operation == "shift");
   CHECK(soup.points[0] == Vec3(2.5, 0, 0));
+  PointSet points;
+  CHECK_THROWS_AS(op.run(points, &options, context), InvalidInput);
   Mesh mesh = grid(1, 1);
-  CHECK_THROWS_AS(op.run(view_of(mesh), &options, context), InvalidInput);
+  CHECK_THROWS_AS(Registry::standard().at("to-soup").run(view_of(mesh), nullptr, context), InvalidInput);
   const CompactOptions compact_options;
   CHECK_THROWS_AS(Registry::standard().at("compact").run(soup, &compact_options, context), InvalidInput);
 }
