@@ -7,6 +7,7 @@
 #include "meshops/operators/flip_diagonals.hpp"
 #include "meshops/operators/make_solid.hpp"
 #include "meshops/operators/orient.hpp"
+#include "meshops/operators/remesh.hpp"
 #include "meshops/operators/remove_components.hpp"
 #include "meshops/operators/remove_degenerate.hpp"
 #include "meshops/operators/remove_duplicates.hpp"
@@ -40,6 +41,8 @@ void register_operators(Registry& registry) {
   registry.add("make-solid", make_solid,
                "Closes, untangles and thickens: any triangles become the boundary of a solid");
   registry.add("orient", orient, "Turns triangles so that neighbours agree and solids face outward");
+  registry.add("remesh", remesh, "Triangles of even shape and size, or sized by curvature, on the same surface",
+               {.idempotent = false});
   registry.add("remove-components", remove_components, "Removes whole components by area, volume, size or rank, if asked to");
   registry.add("remove-degenerate", remove_degenerate, "Collapses needles and takes caps out, without leaving holes");
   registry.add("remove-duplicates", remove_duplicates, "Removes triangles with the same corners as another");

@@ -10,11 +10,13 @@
 
 #include "meshops/attribute_seams.hpp"
 #include "meshops/bucket_queue.hpp"
+#include "meshops/collapse_stars.hpp"
 #include "meshops/features.hpp"
 #include "meshops/for_each_block.hpp"
 #include "meshops/mesh_edit.hpp"
 #include "meshops/plain_vector.hpp"
 #include "meshops/quadric.hpp"
+#include "meshops/triangle_shape.hpp"
 
 namespace tri {
 namespace {
@@ -48,15 +50,15 @@ struct Collapse {
   double error2 = 0;       ///< squared, model units
 };
 
-/// A triangle at one end of an edge that stays: its other two corners.
-struct Fan {
-  std::array<int, 2> corners;
-};
-
 class Decimator {
  public:
   Decimator(MeshView view, const DecimateOptions& options, Context& context)
-      : view_(view), mesh_(view.mesh), options_(options), context_(context), queue_(view.mesh.n_edges()) {}
+      : view_(view),
+        mesh_(view.mesh),
+        options_(options),
+        context_(context),
+        queue_(view.mesh.n_edges()),
+        stars_(view.mesh) {}
 
   Report run() {
     for (std::size_t i = 0; i < mesh_.n_faces(); ++i) {
@@ -90,7 +92,6 @@ class Decimator {
     kinds_.resize(mesh_.n_vertices());
     quadrics_.resize(mesh_.n_vertices());
     reasons_.assign(mesh_.n_edges(), Reason::none);
-    stamps_.assign(mesh_.n_vertices(), 0);
     moved_.assign(mesh_.n_vertices(), 0);
     find_unit();
     for_each_block(context_, "", mesh_.n_edges(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -261,77 +262,26 @@ class Decimator {
     context_.progress("decimate", 1);
   }
 
-  /// The triangles around the start of `h` that are not beside it, and its neighbours.
-  void look_around(HalfedgeHandle first, std::vector<Fan>& fan, std::vector<int>& neighbours) const {
-    fan.clear();
-    neighbours.clear();
-    const HalfedgeHandle last = mesh_.opposite_halfedge_handle(first);
-    HalfedgeHandle h = first;
-    do {
-      const int a = mesh_.to_vertex_handle(h).idx();
-      neighbours.push_back(a);
-      const HalfedgeHandle back = mesh_.prev_halfedge_handle(h);
-      // Beside the edge are the triangle of `first` itself and the last one.
-      if (h != first && back != last && !mesh_.is_boundary(h))
-        fan.push_back({{a, mesh_.from_vertex_handle(back).idx()}});
-      h = mesh_.opposite_halfedge_handle(back);
-    } while (h != first);
-  }
-
   Reason judge(const Collapse& c) {
-    const HalfedgeHandle h = c.halfedge, o = mesh_.opposite_halfedge_handle(h);
-    const int goes = mesh_.from_vertex_handle(h).idx(), stays = mesh_.to_vertex_handle(h).idx();
-    int sides = 0;
-    for (const HalfedgeHandle g : {h, o}) {
-      if (mesh_.is_boundary(g)) continue;
-      ++sides;
-      // Both other sides of a triangle on lines: it would be all that is left between them.
-      if (lines_[mesh_.edge_handle(mesh_.next_halfedge_handle(g)).idx()] &&
-          lines_[mesh_.edge_handle(mesh_.prev_halfedge_handle(g)).idx()])
-        return Reason::topology;
-    }
-    look_around(h, fans_[0], neighbours_[0]);
-    look_around(o, fans_[1], neighbours_[1]);
-    ++stamp_;
-    for (const int v : neighbours_[0]) stamps_[v] = stamp_;
-    int common = 0;
-    for (const int v : neighbours_[1]) common += stamps_[v] == stamp_;
-    if (common != sides) return Reason::topology;
-    // A tetrahedron.
-    if (sides == 2 && neighbours_[0].size() == 3 && neighbours_[1].size() == 3) return Reason::topology;
-    return judge_shape(c, goes, stays);
-  }
-
-  Reason judge_shape(const Collapse& c, int goes, int stays) const {
+    stars_.look_at(c.halfedge);
+    if (!stars_.keeps_topology([&](EdgeHandle e) { return lines_[e.idx()] != 0; })) return Reason::topology;
+    const std::array<Vec3, 2> ends{view_.point(mesh_.from_vertex_handle(c.halfedge)),
+                                   view_.point(mesh_.to_vertex_handle(c.halfedge))};
     double worst = 1;
-    for (int side = 0; side < 2; ++side) {
-      const Vec3& old_apex = view_.point(VertexHandle(side == 0 ? goes : stays));
-      if (side == 1 && c.place == old_apex) break;  // what is around it does not change
-      for (const Fan& f : fans_[side]) {
-        const Vec3 &p = view_.point(VertexHandle(f.corners[0])), &q = view_.point(VertexHandle(f.corners[1]));
-        const Vec3 base = q - p;
-        const Vec3 before = base % (old_apex - p), after = base % (c.place - p);
-        const double cosine = before | after, squares = before.sqrnorm() * after.sqrnorm();
-        if (cosine < 0 || cosine * cosine < least_cosine * least_cosine * squares) return Reason::flip;
-        worst = std::min(worst, roundness(after, base, p, q, c.place));
+    for (int end = 0; end < 2; ++end) {
+      if (end == 1 && c.place == ends[1]) break;  // what is around it does not change
+      for (const auto& [a, b] : stars_.fan(end)) {
+        const Vec3 &p = view_.point(a), &q = view_.point(b);
+        if (!directions_agree((q - p) % (ends[end] - p), (q - p) % (c.place - p), least_cosine)) return Reason::flip;
+        worst = std::min(worst, roundness(p, q, c.place));
       }
     }
     if (worst >= options_.min_roundness) return Reason::none;
     double worst_before = 1;
-    for (int side = 0; side < 2; ++side) {
-      const Vec3& apex = view_.point(VertexHandle(side == 0 ? goes : stays));
-      for (const Fan& f : fans_[side]) {
-        const Vec3 &p = view_.point(VertexHandle(f.corners[0])), &q = view_.point(VertexHandle(f.corners[1]));
-        worst_before = std::min(worst_before, roundness((q - p) % (apex - p), q - p, p, q, apex));
-      }
-    }
+    for (int end = 0; end < 2; ++end)
+      for (const auto& [a, b] : stars_.fan(end))
+        worst_before = std::min(worst_before, roundness(view_.point(a), view_.point(b), ends[end]));
     return worst > worst_before ? Reason::none : Reason::needle;
-  }
-
-  /// 1 for an equilateral triangle, 0 for one without area.
-  static double roundness(const Vec3& normal, const Vec3& base, const Vec3& p, const Vec3& q, const Vec3& apex) {
-    const double squares = base.sqrnorm() + (apex - p).sqrnorm() + (apex - q).sqrnorm();
-    return squares > 0 ? 2 * std::numbers::sqrt3 * normal.norm() / squares : 0;
   }
 
   void carry_out(const Collapse& c) {
@@ -408,15 +358,12 @@ class Decimator {
   std::size_t faces_ = 0, start_ = 0, target_ = 0;
   double per_unit_ = 1;
   double greatest_ = 0;
-  PlainVector<Quadric> quadrics_;      ///< per vertex, relative to it
-  PlainVector<Kind> kinds_;            ///< per vertex
-  PlainVector<std::uint8_t> lines_;    ///< per edge: on a boundary or seam
-  std::vector<Reason> reasons_;        ///< per edge: why it was refused last
-  std::vector<std::uint8_t> moved_;    ///< per vertex
-  std::vector<std::uint32_t> stamps_;  ///< per vertex: the last collapse in which it was a neighbour
-  std::uint32_t stamp_ = 0;
-  std::array<std::vector<Fan>, 2> fans_;
-  std::array<std::vector<int>, 2> neighbours_;
+  PlainVector<Quadric> quadrics_;    ///< per vertex, relative to it
+  PlainVector<Kind> kinds_;          ///< per vertex
+  PlainVector<std::uint8_t> lines_;  ///< per edge: on a boundary or seam
+  std::vector<Reason> reasons_;      ///< per edge: why it was refused last
+  std::vector<std::uint8_t> moved_;  ///< per vertex
+  CollapseStars stars_;
 };
 
 }  // namespace
