@@ -297,3 +297,20 @@ TEST_CASE("remesh: an even mesh is left as it is") {
   CHECK(run(mesh, {}).unchanged());
   CHECK(snapshot(view_of(mesh)) == before);
 }
+
+TEST_CASE("remesh: beside a rim of long edges that may not change it comes to an end") {
+  PatchShape s;
+  s.nu = 6;
+  s.nv = 4;
+  s.point = [](int i, int j) { return Vec3(i, 5 * j, 0); };
+  Mesh mesh = s.mesh();
+  std::vector<FaceHandle> chosen;
+  for (const FaceHandle f : mesh.faces())
+    if (mesh.calc_face_centroid(f)[0] < 3) chosen.push_back(f);
+  const Selection selection = Selection::of_faces(mesh, chosen);
+  Context context;
+  const Report report = remesh(view_of(mesh).with(selection), {.length = 0.7}, context);
+  CHECK_VALID_MESH(mesh);
+  CHECK(report.vertices_added > 20);
+  CHECK(mesh_area(view_of(mesh)) == doctest::Approx(120));
+}

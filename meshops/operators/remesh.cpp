@@ -29,7 +29,7 @@ constexpr double least_cosine = 0.2;                     // between the normals 
 constexpr double flip_cosine = 0.8;                      // between the normals of two triangles before and after a flip
 constexpr double least_roundness = 0.2;  // of triangles made by a flip or collapse, unless worse ones go
 constexpr double still = 1e-6;           // of the length: vertices that would move less stay
-constexpr double most_triangles = 268435456;
+constexpr double most_triangles = 1 << 28;
 constexpr std::size_t block_size = 2048;
 
 class Remesher {
@@ -67,8 +67,6 @@ class Remesher {
   }
 
  private:
-  // ---- the input
-
   void prepare() {
     context_.checkpoint();
     surface_.emplace(points_, triangles_);
@@ -116,8 +114,6 @@ class Remesher {
                          " triangles; at most 268435456 are possible");
   }
 
-  // ---- what is aimed at
-
   double size_of(VertexHandle v) const { return options_.adaptive ? sizes_[index(v)] : length_; }
   double size_of(VertexHandle a, VertexHandle b) const { return std::min(size_of(a), size_of(b)); }
   Vec3 vector_of(HalfedgeHandle h) const {
@@ -134,8 +130,6 @@ class Remesher {
     return surface_->closest(p, hint).distance > options_.max_error;
   }
 
-  // ---- splitting
-
   void split() {
     double most = 0;
     for (std::size_t i = 0; i < mesh_.n_edges(); ++i) {
@@ -151,22 +145,29 @@ class Remesher {
         if (i % 256 == 0) checkpoint(0);
         const EdgeHandle e(static_cast<int>(i));
         if (mesh_.status(e).deleted() || !view_.may_change(e)) continue;
-        while (relative_length(e) > limit || (last && bounded() && stands_off(e))) split(e);
+        while ((relative_length(e) > limit || (last && bounded() && stands_off(e))) && !beside_longer(e)) split(e);
       }
       if (last) break;
     }
+  }
+
+  /// Whether, with a selection, a triangle of the edge has a longer side. That may be at the rim, where nothing is split,
+  /// and halving what is beside it would never end.
+  bool beside_longer(EdgeHandle e) const {
+    if (!view_.selection) return false;
+    for (HalfedgeHandle h : {mesh_.halfedge_handle(e, 0), mesh_.halfedge_handle(e, 1)})
+      for (int k = 0; k < 2 && !mesh_.is_boundary(h); ++k) {
+        h = mesh_.next_halfedge_handle(h);
+        if (vector_of(h).norm() > length_of(e)) return true;
+      }
+    return false;
   }
 
   /// Whether the middle of an edge is too far from the input, and the edge long enough for that to be helped.
   bool stands_off(EdgeHandle e) const {
     const HalfedgeHandle h = mesh_.halfedge_handle(e, 0);
     const VertexHandle v = mesh_.from_vertex_handle(h);
-    const double length = vector_of(h).norm();
-    if (!(length > 4 * options_.max_error)) return false;
-    return too_far(mesh_middle(h), near_[index(v)]);
-  }
-  Vec3 mesh_middle(HalfedgeHandle h) const {
-    return 0.5 * (view_.point(mesh_.from_vertex_handle(h)) + view_.point(mesh_.to_vertex_handle(h)));
+    return vector_of(h).norm() > 4 * options_.max_error && too_far(view_.point(v) + 0.5 * vector_of(h), near_[index(v)]);
   }
 
   void split(EdgeHandle e) {
@@ -211,8 +212,6 @@ class Remesher {
     } while (h != first);
     return true;
   }
-
-  // ---- collapsing
 
   void collapse_short() {
     std::vector<EdgeHandle> now;
@@ -286,8 +285,6 @@ class Remesher {
     }
     collapse(view_, h);
   }
-
-  // ---- flipping
 
   void equalise_valences() {
     const std::size_t n = mesh_.n_vertices();
@@ -363,8 +360,6 @@ class Remesher {
     }
     return true;
   }
-
-  // ---- smoothing
 
   void smooth() {
     const std::size_t n = mesh_.n_vertices();
@@ -482,8 +477,6 @@ class Remesher {
     return false;
   }
 
-  // ---- the end
-
   void describe() {
     const std::size_t n = mesh_.n_faces();
     struct Part {
@@ -510,11 +503,8 @@ class Remesher {
       }
     });
     Part all;
-    for (const Part& part : parts) {
-      all.farthest = std::max(all.farthest, part.farthest);
-      all.smallest = std::min(all.smallest, part.smallest);
-      all.faces += part.faces;
-    }
+    for (const Part& part : parts)
+      all = {std::max(all.farthest, part.farthest), std::min(all.smallest, part.smallest), all.faces + part.faces};
     double in_range = 0, edges = 0, aim = 0;
     for (std::size_t i = 0; i < mesh_.n_edges(); ++i) {
       const EdgeHandle e(static_cast<int>(i));
@@ -531,8 +521,6 @@ class Remesher {
     report_.figures["length"] = options_.adaptive && edges > 0 ? aim / edges : length_;
     before_.compare(view_, report_);
   }
-
-  // ---- small things
 
   template <class Handle>
   static std::size_t index(Handle h) {
