@@ -1,6 +1,6 @@
 #include "meshops/attribute_snapshot.hpp"
 
-#include "meshops/corner_values.hpp"
+#include "meshops/new_values.hpp"
 
 namespace tri {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "meshops/change_recorder.hpp"
+
 namespace tri {
 
 std::array<double, 3> triangle_weights(const std::array<Vec3, 3>& t, const Vec3& p) {
