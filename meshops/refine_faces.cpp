@@ -14,8 +14,9 @@ namespace {
 
 class Refiner {
  public:
-  Refiner(MeshView view, std::vector<FaceHandle>& faces, double growth, const Context& context)
-      : view_(view), mesh_(view.mesh), faces_(faces), growth_(growth), context_(context) {
+  Refiner(MeshView view, std::vector<FaceHandle>& faces, double growth,
+          const std::function<int(const VertexTriple&)>& crossings, const Context& context)
+      : view_(view), mesh_(view.mesh), faces_(faces), growth_(growth), crossings_(crossings), context_(context) {
     for (const FaceHandle f : faces) inside_.insert(f.idx());
     for (const FaceHandle f : faces)
       for (auto it = mesh_.cfv_iter(f); it.is_valid(); ++it)
@@ -109,9 +110,10 @@ class Refiner {
     const HalfedgeHandle h = mesh_.halfedge_handle(e, 0), o = mesh_.halfedge_handle(e, 1);
     const FaceHandle f = mesh_.face_handle(h), g = mesh_.face_handle(o);
     if (!f.is_valid() || !g.is_valid() || !inside_.count(f.idx()) || !inside_.count(g.idx())) return false;
-    const Vec3 &a = view_.point(mesh_.from_vertex_handle(h)), &b = view_.point(mesh_.to_vertex_handle(h)),
-               &c = view_.point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(h))),
-               &d = view_.point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(o)));
+    const VertexHandle va = mesh_.from_vertex_handle(h), vb = mesh_.to_vertex_handle(h),
+                       vc = mesh_.to_vertex_handle(mesh_.next_halfedge_handle(h)),
+                       vd = mesh_.to_vertex_handle(mesh_.next_halfedge_handle(o));
+    const Vec3 &a = view_.point(va), &b = view_.point(vb), &c = view_.point(vc), &d = view_.point(vd);
     // The angles at c and d sum to more than two right ones: sin(c + d) < 0.
     const double cos_c = (a - c) | (b - c), cos_d = (a - d) | (b - d), sin_c = ((a - c) % (b - c)).norm(),
                  sin_d = ((a - d) % (b - d)).norm();
@@ -119,13 +121,17 @@ class Refiner {
     const double turn_now = normal_turn(triangle_normal(a, b, c), triangle_normal(b, a, d)),
                  turn_then = normal_turn(triangle_normal(c, a, d), triangle_normal(d, b, c));
     if (turn_then > std::max(turn_now, 0.1)) return false;
-    return mesh_.is_flip_ok(e);
+    if (!mesh_.is_flip_ok(e)) return false;
+    if (!crossings_) return true;
+    const int then = crossings_({vc, va, vd}) + crossings_({vd, vb, vc});
+    return then == 0 || then <= crossings_({va, vb, vc}) + crossings_({vb, va, vd});
   }
 
   MeshView view_;
   OpenMesh::TriConnectivity& mesh_;
   std::vector<FaceHandle>& faces_;
   double growth_;
+  const std::function<int(const VertexTriple&)>& crossings_;
   const Context& context_;
   std::unordered_set<int> inside_;
   std::unordered_map<int, double> size_;  ///< edge length wanted, by vertex
@@ -136,8 +142,9 @@ class Refiner {
 }  // namespace
 
 std::vector<VertexHandle> refine_faces(MeshView view, std::vector<FaceHandle>& faces, double growth,
+                                       const std::function<int(const VertexTriple&)>& crossings,
                                        const Context& context) {
-  return Refiner(view, faces, growth, context).run();
+  return Refiner(view, faces, growth, crossings, context).run();
 }
 
 }  // namespace tri

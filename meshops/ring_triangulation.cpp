@@ -165,8 +165,6 @@ bool RingTriangulation::flip_if_lighter(std::int32_t t, int k) {
 }
 
 std::size_t RingTriangulation::improve_pieces(int piece, double least_turn, const Context& context) {
-  in_piece_.assign(triangles_.size(), 0);
-  piece_.clear();
   std::vector<int> visits(triangles_.size(), 0);
   std::vector<char> waiting(triangles_.size(), 0);
   std::deque<std::int32_t> queue;
@@ -189,7 +187,7 @@ std::size_t RingTriangulation::improve_pieces(int piece, double least_turn, cons
       waiting[piece_[i]] = 0;
       ++visits[piece_[i]];
     }
-    if (!replace_piece()) continue;
+    if (!replace_if_lighter()) continue;
     ++changed;
     for (const std::int32_t t : piece_)
       if (!waiting[t] && visits[t] < 8) {
@@ -202,6 +200,7 @@ std::size_t RingTriangulation::improve_pieces(int piece, double least_turn, cons
 
 /// The connected triangles nearest to `seed`, by steps.
 void RingTriangulation::collect(std::int32_t seed, std::size_t size) {
+  in_piece_.resize(triangles_.size(), 0);
   for (const std::int32_t t : piece_) in_piece_[t] = 0;
   piece_.assign(1, seed);
   in_piece_[seed] = 1;
@@ -213,19 +212,16 @@ void RingTriangulation::collect(std::int32_t seed, std::size_t size) {
     }
 }
 
-bool RingTriangulation::replace_piece() {
+bool RingTriangulation::replace_if_lighter() {
   if (piece_.size() < 2) return false;
-  corners_.clear();
-  outside_.clear();
+  find_ring_of_piece();
   DihedralAreaWeight now;
   for (const std::int32_t t : piece_) {
     const RingTriangle& c = triangles_[t];
-    corners_.insert(corners_.end(), c.begin(), c.end());
     now.area += triangle_area(ring_[c[0]], ring_[c[1]], ring_[c[2]]);
     for (int k = 0; k < 3; ++k) {
       const std::int32_t other = beside_[t][k];
       const bool outside = other < 0 || !in_piece_[other];
-      if (outside) outside_.push_back({c[k], other});
       if (!outside && other < t) continue;
       const Vec3 beyond = normal_beyond(other);
       if (outside && beyond.sqrnorm() == 0) continue;
@@ -235,9 +231,6 @@ bool RingTriangulation::replace_piece() {
         now.area += side_cost(ring_[c[k]], ring_[c[(k + 1) % 3]], normal_[t], beyond);
     }
   }
-  std::sort(corners_.begin(), corners_.end());
-  corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
-  std::sort(outside_.begin(), outside_.end(), [](const Outside& a, const Outside& b) { return a.from < b.from; });
   places_.clear();
   normals_.clear();
   for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -251,13 +244,41 @@ bool RingTriangulation::replace_piece() {
   // Equal within rounding is no gain; else two pieces could go back and forth.
   if (!least || least->turn > now.turn + 1e-9) return false;
   if (least->turn >= now.turn - 1e-9 && least->area > now.area * (1 - 1e-9)) return false;
+  put_piece();
+  return true;
+}
+
+void RingTriangulation::put_piece() {
   for (std::size_t i = 0; i < piece_.size(); ++i) {
     RingTriangle& t = triangles_[piece_[i]];
     for (int k = 0; k < 3; ++k) t[k] = corners_[found_[i][k]];
     normal_[piece_[i]] = triangle_normal(ring_[t[0]], ring_[t[1]], ring_[t[2]]);
   }
   link(piece_, outside_);
+}
+
+bool RingTriangulation::solve_piece(std::int32_t around, int size, const PieceSolver& solver) {
+  collect(around, static_cast<std::size_t>(size));
+  if (piece_.size() < 2) return false;
+  find_ring_of_piece();
+  found_.clear();
+  if (!solver(piece_, corners_, found_)) return false;
+  put_piece();
   return true;
+}
+
+void RingTriangulation::find_ring_of_piece() {
+  corners_.clear();
+  outside_.clear();
+  for (const std::int32_t t : piece_)
+    for (int k = 0; k < 3; ++k) {
+      corners_.push_back(triangles_[t][k]);
+      const std::int32_t other = beside_[t][k];
+      if (other < 0 || !in_piece_[other]) outside_.push_back({triangles_[t][k], other});
+    }
+  std::sort(corners_.begin(), corners_.end());
+  corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
+  std::sort(outside_.begin(), outside_.end(), [](const Outside& a, const Outside& b) { return a.from < b.from; });
 }
 
 }  // namespace tri

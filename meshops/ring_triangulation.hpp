@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -38,6 +39,14 @@ class RingTriangulation {
 
   const std::vector<RingTriangle>& triangles() const { return triangles_; }
 
+  /// Chooses triangles for a piece: `triangles` (indices into `triangles()`) lie within the ring of `corners` (ascending
+  /// positions). Fills `found` with indices into `corners` and returns true to have the piece replaced.
+  using PieceSolver = std::function<bool(std::span<const std::int32_t> triangles, std::span<const std::int32_t> corners,
+                                         std::vector<RingTriangle>& found)>;
+  /// Hands the connected `size` triangles around one (all, if there are fewer) to `solver`.
+  /// @return whether they were replaced.
+  bool solve_piece(std::int32_t around, int size, const PieceSolver& solver);
+
  private:
   /// What lies beyond each side: a triangle, or ~i for the ring edge that starts at position i.
   using Sides = std::array<std::int32_t, 3>;
@@ -54,7 +63,9 @@ class RingTriangulation {
   int side_towards(std::int32_t triangle, std::int32_t other) const;
   bool flip_if_lighter(std::int32_t triangle, int side);
   void collect(std::int32_t seed, std::size_t size);
-  bool replace_piece();
+  bool replace_if_lighter();
+  void find_ring_of_piece();
+  void put_piece();
 
   std::span<const Vec3> ring_, edge_normals_;
   const ChordTest& chord_allowed_;

@@ -22,12 +22,6 @@ namespace {
 
 using Box = OverlapTree::Box;
 
-bool has_no_area(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a;
-  // Far above the rounding of the product the corners are not on one line.
-  return !((ab % ac).sqrnorm() > 1e-24 * ab.sqrnorm() * ac.sqrnorm()) && collinear_exact(a, b, c);
-}
-
 /// Spreads the lowest ten bits of `x` to every third bit.
 std::uint32_t spread(std::uint32_t x) {
   x = (x | x << 16) & 0x030000ff;
@@ -59,7 +53,7 @@ class Blocks {
         std::uint32_t key = 0;
         for (int k = 0; k < 3; ++k) key |= spread(on_grid(a, k) >> 6) << k;
         // Triangles without area come last and are left out.
-        if (has_no_area(a, b, c)) key = no_area;
+        if (!triangle_has_area(a, b, c)) key = no_area;
         order[t] = {key, t};
       }
     });
@@ -165,22 +159,6 @@ class Blocks {
   std::optional<OverlapTree> tree_;
 };
 
-/// The same question for triangles with corners in common.
-bool neighbors_intersect(std::span<const Vec3> points, const Triangle& t, const Triangle& u) {
-  int shared = 0;
-  std::array<std::array<int, 2>, 3> same{};
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (t[static_cast<std::size_t>(i)] == u[static_cast<std::size_t>(j)]) same[static_cast<std::size_t>(shared++)] = {i, j};
-  const auto corner = [&](const Triangle& triangle, int k) -> const Vec3& { return points[triangle[static_cast<std::size_t>(k % 3)]]; };
-  if (shared == 3) return true;
-  if (shared == 2)
-    return wings_overlap(corner(t, same[0][0]), corner(t, same[1][0]), corner(t, 3 - same[0][0] - same[1][0]),
-                         corner(u, 3 - same[0][1] - same[1][1]));
-  const auto [i, j] = same[0];
-  return fans_intersect({corner(t, i), corner(t, i + 1), corner(t, i + 2)}, {corner(u, j), corner(u, j + 1), corner(u, j + 2)});
-}
-
 }  // namespace
 
 std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec3> points, std::span<const Triangle> triangles,
@@ -199,8 +177,8 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
           bool joined = false;  // without branches, since nobody can predict which corners are the same
           for (std::uint32_t v : q) joined |= (v == r[0]) | (v == r[1]) | (v == r[2]);
           if (joined && neighbors == Neighbors::skip) return;
-          if (joined ? neighbors_intersect(points, q, r)
-                     : triangles_intersect({points[q[0]], points[q[1]], points[q[2]]}, {points[r[0]], points[r[1]], points[r[2]]}))
+          const std::array<Vec3, 3> at_q{points[q[0]], points[q[1]], points[q[2]]}, at_r{points[r[0]], points[r[1]], points[r[2]]};
+          if (joined ? triangles_meet(q, at_q, r, at_r) : triangles_intersect(at_q, at_r))
             mine.push_back({std::min(t, u), std::max(t, u)});
         });
     });

@@ -127,4 +127,24 @@ bool wings_overlap(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   return turn_of(p, q, a, x, y) == turn_of(p, q, b, x, y);
 }
 
+bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a;
+  // Far above the rounding of the product the corners are not on one line.
+  return (ab % ac).sqrnorm() > 1e-24 * ab.sqrnorm() * ac.sqrnorm() || !collinear_exact(a, b, c);
+}
+
+bool triangles_meet(const std::array<std::uint32_t, 3>& t, const std::array<Vec3, 3>& at_t,
+                    const std::array<std::uint32_t, 3>& u, const std::array<Vec3, 3>& at_u) {
+  std::size_t shared = 0, in_t[3] = {0, 0, 0}, in_u[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (t[i] == u[j]) in_t[shared] = i, in_u[shared] = j, ++shared;
+  if (shared == 0) return triangles_intersect(at_t, at_u);
+  if (shared == 3) return true;
+  if (shared == 2)
+    return wings_overlap(at_t[in_t[0]], at_t[in_t[1]], at_t[3 - in_t[0] - in_t[1]], at_u[3 - in_u[0] - in_u[1]]);
+  const std::size_t i = in_t[0], j = in_u[0];
+  return fans_intersect({at_t[i], at_t[(i + 1) % 3], at_t[(i + 2) % 3]}, {at_u[j], at_u[(j + 1) % 3], at_u[(j + 2) % 3]});
+}
+
 }  // namespace tri

@@ -194,29 +194,192 @@ TEST_CASE("fill_holes: never doubles an edge; a hole without another triangulati
   }
 }
 
-TEST_CASE("fill_holes: nested islands stay apart from the hole around them") {
-  Mesh mesh = sheet_without([](int i, int j) {
-                return i >= 4 && i < 13 && j >= 4 && j < 13 && !(i >= 8 && i < 10 && j >= 8 && j < 10);
-              }).mesh();
-  Context context;
-  const Report report = fill_holes(view_of(mesh), {}, context);
-  CHECK_VALID_MESH(mesh);
-  CHECK(report.figures.at("holes filled") == 1);
-  CHECK(report.skipped == decltype(report.skipped){{"rim of a sheet", 2}});
-  CHECK(mesh_area(view_of(mesh)) == doctest::Approx(400 + 4));
+TEST_CASE("fill_holes: an island in a hole is joined, every vertex kept; one in the island's hole too") {
+  for (const auto strategy : strategies) {
+    // A ring around an island around a hole around an island.
+    Mesh mesh = sheet_without([](int i, int j) {
+                  const int d = std::max(std::abs(i - 10), std::abs(j - 10));
+                  return d == 7 || d == 6 || d == 3 || d == 2;
+                }).mesh();
+    // The innermost island floats a little above.
+    for (const auto v : mesh.vertices())
+      if (std::hypot(mesh.point(v)[0] - 10.5, mesh.point(v)[1] - 10.5) < 2.5) mesh.point(v)[2] = 0.1;
+    const Mesh before = mesh;
+    Context context;
+    const Report report = fill_holes(view_of(mesh), {.strategy = strategy}, context);
+    CHECK_VALID_MESH(mesh);
+    CHECK(report.figures.at("holes filled") == 2);
+    CHECK(report.figures.at("islands joined") == 2);
+    CHECK(report.figures.count("fillings that cross the mesh") == 0);
+    CHECK(report.skipped == decltype(report.skipped){{"rim of a sheet", 1}});
+    CHECK(boundary_loops(mesh) == 1);
+    CHECK(euler_characteristic(mesh) == 1);
+    CHECK(mesh_area(view_of(mesh)) == doctest::Approx(400).epsilon(0.01));
+    for (const auto v : before.vertices()) {
+      CHECK(mesh.point(v) == before.point(v));
+      CHECK(mesh.is_isolated(v) == before.is_isolated(v));
+    }
+    for (const auto f : mesh.faces()) CHECK(mesh.calc_face_normal(f)[2] > 0);
+  }
 }
 
-TEST_CASE("fill_holes: a loop that meets itself stays open; two holes that touch in a vertex are both filled") {
+TEST_CASE("fill_holes: several islands in one hole; what looks the other way or lies off is none") {
+  const auto islands = [](double lift, bool turned) {
+    Mesh mesh;
+    std::vector<Vec3> points;
+    std::vector<std::array<int, 3>> triangles;
+    PatchShape s;
+    s.nu = s.nv = 30;
+    s.keep = [](int i, int j) { return i < 5 || i >= 25 || j < 5 || j >= 25; };
+    points = s.points();
+    triangles = s.triangles();
+    for (const auto& [x, y] : {std::pair{10, 10}, {18, 11}, {14, 19}}) {
+      const int first = static_cast<int>(points.size());
+      points.push_back({x - 1.0, y - 1.0, lift});
+      points.push_back({x + 1.0, y - 1.0, lift});
+      points.push_back({x + 0.0, y + 1.0, lift});
+      points.push_back({x + 0.0, y + 0.0, lift});
+      for (int k = 0; k < 3; ++k) {
+        const std::array<int, 3> t{first + k, first + (k + 1) % 3, first + 3};
+        triangles.push_back(turned ? std::array{t[1], t[0], t[2]} : t);
+      }
+    }
+    return make_mesh(points, triangles);
+  };
+  Context context;
+  Mesh mesh = islands(0, false);
+  Report report = fill_holes(view_of(mesh), {}, context);
+  CHECK_VALID_MESH(mesh);
+  CHECK(report.figures.at("islands joined") == 3);
+  CHECK(boundary_loops(mesh) == 1);
+  CHECK(mesh_area(view_of(mesh)) == doctest::Approx(900));
+
+  for (const bool turned : {false, true}) {
+    Mesh apart = islands(turned ? 0.01 : 15, turned);
+    report = fill_holes(view_of(apart), {}, context);
+    CHECK_VALID_MESH(apart);
+    CHECK(report.figures.at("holes filled") == 1);
+    CHECK(report.figures.count("islands joined") == 0);
+    CHECK(report.skipped == decltype(report.skipped){{"rim of a sheet", 4}});
+    CHECK(boundary_loops(apart) == 4);
+  }
+}
+
+TEST_CASE("fill_holes: a cap over a ring-shaped gap in a sphere is an island, and the sphere is whole again") {
+  PatchShape s;
+  s.nu = 48;
+  s.nv = 40;
+  s.closed_u = true;
+  s.point = [](int i, int j) {
+    const double longitude = 2 * pi * i / 48, latitude = pi * ((j + 0.5) / 41 - 0.5);
+    return Vec3(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude));
+  };
+  s.keep = [](int, int j) { return j < 34 || j >= 36; };
+  for (const auto strategy : strategies) {
+    Mesh mesh = s.mesh();
+    Context context;
+    const Report report = fill_holes(view_of(mesh), {.strategy = strategy}, context);
+    CHECK_VALID_MESH(mesh);
+    CHECK(report.figures.at("islands joined") == 1);
+    CHECK(report.skipped.empty());
+    CHECK(euler_characteristic(mesh) == 2);
+    CHECK(boundary_loops(mesh) == 0);
+  }
+}
+
+TEST_CASE("fill_holes: a loop that meets itself in vertices is filled in parts") {
   Mesh mesh = sheet_without([](int i, int j) { return (i == 5 && j == 5) || (i == 6 && j == 6); }).mesh();
   Context context;
   CHECK(fill_holes(view_of(mesh), {}, context).figures.at("holes filled") == 2);
   CHECK_VALID_MESH(mesh);
   CHECK(mesh_area(view_of(mesh)) == doctest::Approx(400));
 
+  // Three of the six triangles around a vertex are gone, and one loop is linked to run around all of them.
+  Mesh star = grid(4, 4);
+  VertexHandle middle;
+  for (const auto v : star.vertices())
+    if (star.point(v) == Vec3(2, 2, 0)) middle = v;
+  std::vector<FaceHandle> around;
+  for (const auto f : star.vf_range(middle)) around.push_back(f);
+  REQUIRE(around.size() == 6);
+  for (const int k : {0, 2, 4}) star.delete_face(around[k], false);
+  std::vector<HalfedgeHandle> in, out;
+  for (auto it = star.voh_iter(middle); it.is_valid(); ++it)
+    if (star.is_boundary(*it)) {
+      out.push_back(*it);
+      in.push_back(star.prev_halfedge_handle(*it));
+    }
+  REQUIRE(out.size() == 3);
+  REQUIRE(boundary_loops(star) == 4);
+  // The three fans are linked in the other order: from each to the one that is neither the next nor itself.
+  std::vector<HalfedgeHandle> target;
+  for (int k = 0; k < 3; ++k) {
+    HalfedgeHandle own = star.opposite_halfedge_handle(in[k]);
+    while (star.face_handle(own).is_valid())
+      own = star.opposite_halfedge_handle(star.next_halfedge_handle(star.next_halfedge_handle(own)));
+    for (const HalfedgeHandle o : out)
+      if (o != own && o != out[k]) target.push_back(o);
+  }
+  REQUIRE(target.size() == 3);
+  for (int k = 0; k < 3; ++k) star.set_next_halfedge_handle(in[k], target[k]);
+  REQUIRE(boundary_loops(star) == 2);
+  const Report parts = fill_holes(view_of(star), {}, context);
+  CHECK(parts.figures.at("loops cut apart where they meet themselves") == 1);
+  CHECK(parts.figures.at("holes filled") == 3);
+  CHECK_VALID_MESH(star);
+  CHECK(mesh_area(view_of(star)) == doctest::Approx(16));
+
+  // An island that touches the rim of its hole.
+  Mesh crescent = sheet_without([](int i, int j) {
+                    return i >= 4 && i < 12 && j >= 4 && j < 12 && !(i >= 4 && i < 7 && j >= 4 && j < 7);
+                  }).mesh();
+  std::vector<FaceHandle> cut;
+  for (const auto f : crescent.faces()) {
+    const Vec3 p = crescent.calc_face_centroid(f);
+    if (p[0] > 4 && p[0] < 12 && p[1] > 4 && p[1] < 12 && (p[0] < 5 || p[1] < 5)) cut.push_back(f);
+  }
+  for (const FaceHandle f : cut) crescent.delete_face(f, true);
+  for (const auto v : crescent.vertices())  // the island's corner goes to the hole's corner: one vertex short of a weld
+    if (crescent.point(v) == Vec3(5, 5, 0)) crescent.set_point(v, {4.2, 4.2, 0});
+  const double missing = 400 - mesh_area(view_of(crescent));
+  CHECK(missing > 40);
+  const Report joined = fill_holes(view_of(crescent), {}, context);
+  CHECK(joined.figures.at("islands joined") == 1);
+  CHECK_VALID_MESH(crescent);
+  CHECK(mesh_area(view_of(crescent)) == doctest::Approx(400));
+
   Mesh hourglass = make_mesh({{0, 0, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
   const Report report = fill_holes(view_of(hourglass), {}, context);
   CHECK(report.unchanged());
-  CHECK(report.skipped == decltype(report.skipped){{"loop meets itself in a vertex", 1}});
+  CHECK(report.skipped == decltype(report.skipped){{"rim of a single triangle", 2}});
+}
+
+TEST_CASE("fill_holes: a filling goes round what stands in its way where it can; what it crosses is reported") {
+  // A spike stands through the middle of the hole, off the diagonals' crossing.
+  const auto pierced = [](double z0, double z1) {
+    PatchShape s;
+    s.nu = s.nv = 8;
+    s.keep = [](int i, int j) { return i < 3 || i >= 5 || j < 3 || j >= 5; };
+    s.point = [](int i, int j) { return Vec3(i, j, (i >= 3 && i <= 5 && j >= 3 && j <= 5) ? 0.1 * (i - j) : 0); };
+    auto points = s.points();
+    auto triangles = s.triangles();
+    const int n = static_cast<int>(points.size());
+    points.push_back({3.9, 4.4, z0});
+    points.push_back({4.0, 4.5, z0});
+    points.push_back({3.9, 4.5, z1});
+    triangles.push_back({n, n + 1, n + 2});
+    return make_mesh(points, triangles);
+  };
+  Context context;
+  for (const auto strategy : strategies) {
+    Mesh mesh = pierced(-2, 2);
+    const Report report = fill_holes(view_of(mesh), {.strategy = strategy}, context);
+    CHECK(report.figures.at("holes filled") == 1);
+    CHECK(report.figures.at("fillings that cross the mesh") == 1);
+    CHECK(report.notes.size() == 1);
+    Mesh free = pierced(1, 2);
+    CHECK(fill_holes(view_of(free), {.strategy = strategy}, context).figures.count("fillings that cross the mesh") == 0);
+  }
 }
 
 TEST_CASE("fill_holes: the reference can keep a hole of the part open") {

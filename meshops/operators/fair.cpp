@@ -26,7 +26,8 @@ std::vector<VertexHandle> chosen_vertices(MeshView view, const FairOptions& opti
   for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i) {
     const VertexHandle v(i);
     if (mesh.status(v).deleted()) continue;
-    if (region.is_valid() ? mesh.property(region, v) > 0 : mesh.status(v).selected()) chosen.push_back(v);
+    if (region.is_valid() ? mesh.property(region, v) > 0 : mesh.status(v).selected())
+      chosen.push_back(v);
   }
   return chosen;
 }
@@ -58,6 +59,7 @@ Report fair(MeshView view, const FairOptions& options, Context& context) {
   report.operation = "fair";
   std::vector<VertexHandle> moving;
   for (const VertexHandle v : chosen_vertices(view, options)) {
+    if (!view.may_move(v)) continue;
     if (view.mesh.is_isolated(v))
       ++report.skipped["isolated vertex"];
     else if (view.mesh.is_boundary(v))

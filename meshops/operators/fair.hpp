@@ -26,7 +26,8 @@ struct FairOptions {
 /// Moves chosen vertices to where the surface through them is fairest, while all others stay: least area, least
 /// thin-plate energy or least variation of curvature (`faired_points`).
 ///
-/// Links, handles and the number of elements stay. Vertices that cannot move are counted in `skipped`: "boundary
+/// Links, handles and the number of elements stay. Vertices that the view's selection does not allow to move are passed
+/// over. Vertices that cannot move are counted in `skipped`: "boundary
 /// vertex", "isolated vertex", "no neighbour stays" (a whole component was chosen). Where cotangent weights fail, since a
 /// triangle has no area or the system is singular, uniform weights take their place, with a note; if those fail as well
 /// nothing moves, and the vertices are in `skipped` by the reason's name. Figure: "largest distance" (model units).

@@ -1,10 +1,19 @@
 #include "meshops/operators/fill_holes.hpp"
 
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+#include <set>
+
 #include "meshops/add_faces.hpp"
 #include "meshops/boundary_loops.hpp"
 #include "meshops/fairing.hpp"
+#include "meshops/filling_obstacles.hpp"
+#include "meshops/hole_islands.hpp"
 #include "meshops/mesh_edit.hpp"
 #include "meshops/refine_faces.hpp"
+#include "meshops/self_intersections.hpp"
 
 namespace tri {
 
@@ -40,19 +49,247 @@ const OptionSchema& FillHolesOptions::schema() {
 
 namespace {
 
-/// Moves the vertices of a filling; false if neither kind of weight allows it.
-bool fair_filling(MeshView view, const std::vector<VertexHandle>& vertices, Fairness fairness, const Context& context) {
-  const Continuity continuity = fairness == Fairness::position  ? Continuity::position
-                                : fairness == Fairness::tangent ? Continuity::tangent
-                                                                : Continuity::curvature;
-  for (const FairingWeights weights : {FairingWeights::cotangent, FairingWeights::uniform}) {
-    const FairedPoints faired = faired_points(view, vertices, continuity, weights, context);
-    if (faired.outcome != FairingOutcome::done) continue;
-    for (std::size_t i = 0; i < faired.points.size(); ++i) set_point(view, faired.vertices[i], faired.points[i]);
-    return true;
+constexpr std::size_t most_notes = 10;
+
+/// What to do with every boundary loop, then the doing.
+class HoleFiller {
+ public:
+  HoleFiller(MeshView view, const FillHolesOptions& options, Context& context, Report& report)
+      : view_(view), options_(options), context_(context), report_(report) {}
+
+  void run() {
+    sort_loops();
+    find_islands();
+    if (holes_.empty()) return;
+    std::vector<std::vector<VertexHandle>> rims;
+    for (const Hole& hole : holes_) rims.push_back(hole.vertices());
+    FillingObstacles obstacles(view_, rims);
+    for (std::size_t i = 0; i < holes_.size(); ++i) {
+      context_.checkpoint();
+      context_.progress("fill-holes", static_cast<double>(i) / static_cast<double>(holes_.size()));
+      obstacles.start(i);
+      fill(i, obstacles);
+    }
+    context_.progress("fill-holes", 1);
   }
-  return false;
-}
+
+ private:
+  void skip(const char* reason) { ++report_.skipped[reason]; }
+  void count(const char* figure, double more = 1) { report_.figures[figure] += more; }
+
+  void sort_loops() {
+    const auto cycles = boundary_cycles(view_);
+    if (cycles.empty()) return;
+    const auto sizes = component_sizes(view_);
+    for (const auto& cycle : cycles) {
+      context_.checkpoint();
+      if (!view_.may_fill(cycle)) continue;
+      if (Hole(view_, cycle).simple())
+        sort_loop(cycle, sizes, false);
+      else
+        sort_loop_that_meets_itself(cycle, sizes);
+    }
+  }
+
+  /// An island that touches the rim of its hole makes one outline with it; other loops are cut apart.
+  void sort_loop_that_meets_itself(const std::vector<HalfedgeHandle>& cycle, const std::vector<std::size_t>& sizes) {
+    const auto parts = simple_loops(view_, cycle);
+    std::size_t sheets = 0;
+    for (const auto& loop : parts) sheets += is_sheet(Hole(view_, loop), sizes);
+    if (sheets > 0 && sheets < parts.size()) {
+      count("islands joined", static_cast<double>(sheets));
+      sort_loop(cycle, sizes, true);
+      return;
+    }
+    count("loops cut apart where they meet themselves");
+    for (const auto& loop : parts) sort_loop(loop, sizes, true);
+  }
+
+  bool is_sheet(const Hole& hole, const std::vector<std::size_t>& sizes) const {
+    return hole.around_single_triangle() || hole.rim_of_sheet(sizes[hole.face_at_rim().idx()]);
+  }
+
+  void sort_loop(const std::vector<HalfedgeHandle>& loop, const std::vector<std::size_t>& sizes, bool part) {
+    const Hole hole(view_, loop);
+    const bool single = hole.around_single_triangle(), sheet = is_sheet(hole, sizes);
+    const char* reason = hole.size() > options_.max_edges               ? "loop longer than max-edges"
+                         : hole.wider_than(options_.max_diameter)       ? "loop wider than max-diameter"
+                         : single                                       ? "rim of a single triangle"
+                         : sheet                                        ? "rim of a sheet"
+                         : options_.reference && options_.reference->keeps_open(hole.vertices())
+                             ? "kept open by the reference"
+                             : nullptr;
+    if (sheet) {
+      islands_.push_back(loop);
+      island_reasons_.push_back(reason);
+    } else if (reason) {
+      skip(reason);
+    } else {
+      holes_.push_back(hole);
+      loops_.push_back(loop);
+      is_part_.push_back(part);
+    }
+  }
+
+  void find_islands() {
+    const std::vector<int> in = find_hole_islands(view_, holes_, islands_, context_);
+    islands_of_.resize(holes_.size());
+    for (std::size_t i = 0; i < islands_.size(); ++i) {
+      if (in[i] < 0)
+        skip(island_reasons_[i]);
+      else
+        islands_of_[static_cast<std::size_t>(in[i])].push_back(i);
+    }
+    for (std::size_t h = 0; h < holes_.size(); ++h) {
+      std::vector<std::size_t> joined;
+      for (const std::size_t i : islands_of_[h]) {
+        if (holes_[h].join_island(islands_[i]))
+          joined.push_back(i);
+        else
+          skip("island without a way to its hole");
+      }
+      islands_of_[h] = joined;
+    }
+  }
+
+  void fill(std::size_t i, FillingObstacles& obstacles) {
+    const auto fill_one = [&](const Hole& hole) { return hole.fill(options_.strategy, options_.max_dynamic_edges, obstacles, context_); };
+    HoleFilling filling = fill_one(holes_[i]);
+    std::vector<FaceHandle> added;
+    FitResult fit = filling.triangles.empty() ? FitResult::edge_in_use : add_faces(view_, filling.triangles, &added);
+    if (fit != FitResult::fits && !islands_of_[i].empty()) {
+      report_.skipped["island without a way to its hole"] += islands_of_[i].size();
+      islands_of_[i].clear();
+      filling = fill_one(Hole(view_, loops_[i]));
+      fit = filling.triangles.empty() ? FitResult::edge_in_use : add_faces(view_, filling.triangles, &added);
+    }
+    if (fit != FitResult::fits) {
+      skip(is_part_[i] && fit == FitResult::vertex_not_manifold ? "loop meets itself in a vertex"
+                                                                : "no triangulation without an existing edge");
+      return;
+    }
+    count("holes filled");
+    if (!islands_of_[i].empty()) count("islands joined", static_cast<double>(islands_of_[i].size()));
+    if (filling.in_pieces) count("holes optimised in pieces");
+    std::size_t crossings = filling.crossings;
+    refine_and_fair(added, obstacles, crossings);
+    obstacles.add(i, added);
+    report_.faces_added += added.size();
+    for (const FaceHandle f : added) report_.touched_faces.push_back(static_cast<std::uint32_t>(f.idx()));
+    for (const VertexHandle v : holes_[i].vertices())
+      report_.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
+    if (crossings > 0) tell_crossings(holes_[i], crossings);
+  }
+
+  /// @param crossings  of the filling; updated
+  void refine_and_fair(std::vector<FaceHandle>& faces, const FillingObstacles& obstacles, std::size_t& crossings) {
+    if (!options_.refine && options_.fair == Fairness::none) return;
+    std::vector<VertexHandle> inner =
+        refine_faces(view_, faces, options_.growth, [&](const VertexTriple& t) { return obstacles.crossings(t); }, context_);
+    report_.vertices_added += inner.size();
+    for (const VertexHandle v : inner) report_.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
+    crossings = crossing_faces(faces, obstacles).count;
+    if (options_.fair == Fairness::none || inner.empty()) return;
+    const std::vector<VertexHandle> all = inner;
+    std::vector<Vec3> before;
+    for (const VertexHandle v : all) before.push_back(view_.point(v));
+    const auto back = [&] {
+      for (std::size_t k = 0; k < all.size(); ++k) set_point(view_, all[k], before[k]);
+    };
+    // Where the faired filling would cross something it keeps the place that it had.
+    for (int round = 0; round < 5 && !inner.empty(); ++round) {
+      if (!fair_filling(inner)) {
+        back();
+        count("fillings not faired");
+        return;
+      }
+      const Crossings now = crossing_faces(faces, obstacles);
+      if (now.count <= crossings) {
+        crossings = now.count;
+        if (round > 0) count("fillings faired in part, since they would cross the mesh");
+        return;
+      }
+      back();
+      std::set<VertexHandle> pinned;
+      for (const FaceHandle f : now.faces)
+        for (auto v = view_.mesh.cfv_iter(f); v.is_valid(); ++v) {
+          pinned.insert(*v);
+          for (auto w = view_.mesh.cvv_iter(*v); w.is_valid(); ++w) pinned.insert(*w);
+        }
+      std::erase_if(inner, [&](VertexHandle v) { return pinned.count(v) > 0; });
+    }
+    count("fillings not faired, since they would cross the mesh");
+  }
+
+  struct Crossings {
+    std::size_t count = 0;
+    std::vector<FaceHandle> faces;  ///< of the filling, that take part
+  };
+
+  Crossings crossing_faces(const std::vector<FaceHandle>& faces, const FillingObstacles& obstacles) const {
+    std::vector<Vec3> points;
+    std::vector<Triangle> triangles;
+    std::map<std::array<double, 3>, std::uint32_t> number;  // vertices in one place are one here
+    Crossings found;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      if (i % 256 == 0) context_.checkpoint();
+      VertexTriple corners;
+      Triangle triangle;
+      std::size_t k = 0;
+      for (auto it = view_.mesh.cfv_ccwiter(faces[i]); it.is_valid(); ++it, ++k) {
+        const Vec3& p = view_.point(*it);
+        const auto [at, fresh] = number.try_emplace({p[0], p[1], p[2]}, static_cast<std::uint32_t>(points.size()));
+        if (fresh) points.push_back(p);
+        corners[k] = *it;
+        triangle[k] = at->second;
+      }
+      triangles.push_back(triangle);
+      const int crossings = obstacles.crossings(corners);
+      found.count += static_cast<std::size_t>(crossings);
+      if (crossings > 0) found.faces.push_back(faces[i]);
+    }
+    for (const auto& [t, u] : self_intersections(points, triangles, context_, Neighbors::judge)) {
+      ++found.count;
+      found.faces.push_back(faces[t]);
+      found.faces.push_back(faces[u]);
+    }
+    return found;
+  }
+
+  /// Moves the vertices of a filling; false if neither kind of weight allows it.
+  bool fair_filling(const std::vector<VertexHandle>& vertices) {
+    const Continuity continuity = options_.fair == Fairness::position  ? Continuity::position
+                                  : options_.fair == Fairness::tangent ? Continuity::tangent
+                                                                       : Continuity::curvature;
+    for (const FairingWeights weights : {FairingWeights::cotangent, FairingWeights::uniform}) {
+      const FairedPoints faired = faired_points(view_, vertices, continuity, weights, context_);
+      if (faired.outcome != FairingOutcome::done) continue;
+      for (std::size_t i = 0; i < faired.points.size(); ++i) set_point(view_, faired.vertices[i], faired.points[i]);
+      return true;
+    }
+    return false;
+  }
+
+  void tell_crossings(const Hole& hole, std::size_t crossings) {
+    count("fillings that cross the mesh");
+    if (report_.notes.size() >= most_notes) return;
+    Vec3 middle(0, 0, 0);
+    for (const Vec3& p : hole.points()) middle += p / static_cast<double>(hole.size());
+    report_.notes.push_back(fmt::format("the filling of {} edges around ({:.6g}, {:.6g}, {:.6g}) crosses the mesh or itself: {} pairs of triangles",
+                                        hole.size(), middle[0], middle[1], middle[2], crossings));
+  }
+
+  MeshView view_;
+  const FillHolesOptions& options_;
+  Context& context_;
+  Report& report_;
+  std::vector<Hole> holes_;          ///< with their islands
+  std::vector<std::vector<HalfedgeHandle>> loops_;  ///< of the holes, without islands
+  std::vector<char> is_part_;        ///< of a loop that meets itself
+  std::vector<std::vector<HalfedgeHandle>> islands_;
+  std::vector<const char*> island_reasons_;  ///< why it stays open if it is in no hole
+  std::vector<std::vector<std::size_t>> islands_of_;  ///< by hole
+};
 
 }  // namespace
 
@@ -61,55 +298,7 @@ Report fill_holes(MeshView view, const FillHolesOptions& options, Context& conte
   context.checkpoint();
   Report report;
   report.operation = "fill-holes";
-  double filled = 0, cut = 0, not_faired = 0;
-  const auto cycles = boundary_cycles(view);
-  const auto sizes = cycles.empty() ? std::vector<std::size_t>() : component_sizes(view);
-  for (std::size_t i = 0; i < cycles.size(); ++i) {
-    context.checkpoint();
-    context.progress("fill-holes", static_cast<double>(i) / static_cast<double>(cycles.size()));
-    if (!view.may_fill(cycles[i])) continue;
-    Hole hole(view, cycles[i]);
-    const auto skip = [&](const char* reason) { ++report.skipped[reason]; };
-    if (hole.size() > options.max_edges) {
-      skip("loop longer than max-edges");
-    } else if (hole.wider_than(options.max_diameter)) {
-      skip("loop wider than max-diameter");
-    } else if (!hole.simple()) {
-      skip("loop meets itself in a vertex");
-    } else if (hole.around_single_triangle()) {
-      skip("rim of a single triangle");
-    } else if (hole.rim_of_sheet(
-                   sizes[view.mesh.face_handle(view.mesh.opposite_halfedge_handle(cycles[i][0])).idx()])) {
-      skip("rim of a sheet");
-    } else if (options.reference && options.reference->keeps_open(hole.vertices())) {
-      skip("kept open by the reference");
-    } else {
-      bool in_pieces = false;
-      const std::vector<VertexTriple> triangles =
-          hole.triangulate(options.strategy, options.max_dynamic_edges, context, in_pieces);
-      std::vector<FaceHandle> added;
-      if (triangles.empty() || add_faces(view, triangles, &added) != FitResult::fits) {
-        skip("no triangulation without an existing edge");
-        continue;
-      }
-      ++filled;
-      cut += in_pieces;
-      std::vector<VertexHandle> inner;
-      if (options.refine || options.fair != Fairness::none) inner = refine_faces(view, added, options.growth, context);
-      if (options.fair != Fairness::none && !inner.empty() && !fair_filling(view, inner, options.fair, context))
-        ++not_faired;
-      report.vertices_added += inner.size();
-      for (const VertexHandle v : inner) report.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
-      report.faces_added += added.size();
-      for (const FaceHandle f : added) report.touched_faces.push_back(static_cast<std::uint32_t>(f.idx()));
-      for (const VertexHandle v : hole.vertices())
-        report.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
-    }
-  }
-  if (!cycles.empty()) context.progress("fill-holes", 1);
-  if (filled > 0) report.figures["holes filled"] = filled;
-  if (cut > 0) report.figures["holes optimised in pieces"] = cut;
-  if (not_faired > 0) report.figures["fillings not faired"] = not_faired;
+  HoleFiller(view, options, context, report).run();
   return report;
 }
 

@@ -236,10 +236,9 @@ class Stitcher {
         skip("kept open by the reference");
         continue;
       }
-      bool in_pieces = false;
       const auto triangles = hole.around_single_triangle()
                                  ? std::vector<VertexTriple>()
-                                 : hole.triangulate(HoleStrategy::minimum_area_dihedral, hole.size(), context_, in_pieces);
+                                 : hole.triangulate(HoleStrategy::minimum_area_dihedral, hole.size(), context_);
       if (!triangles.empty() && width(hole, triangles) > reach(hole)) continue;  // an opening of the part
       if (!triangles.empty() && add_whole(triangles))
         ++corners_;
