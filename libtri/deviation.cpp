@@ -3,8 +3,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "libtri/outward_normals.hpp"
 #include "meshops/error.hpp"
 
 namespace tri {
@@ -91,6 +93,7 @@ std::vector<Foot> feet_of(const Mesh& mesh, const CadModel& model) {
     throw InvalidInput("the mesh has no properties that tie it to a model");
   std::map<int, std::int32_t> position;
   for (std::size_t f = 0; f < model.faces.size(); ++f) position[model.faces[f].index] = static_cast<std::int32_t>(f);
+  std::vector<std::optional<TrimRegion>> regions(model.faces.size());
   std::vector<Foot> feet;
   feet.reserve(mesh.n_vertices());
   for (const VertexHandle v : mesh.vertices()) {
@@ -101,7 +104,11 @@ std::vector<Foot> feet_of(const Mesh& mesh, const CadModel& model) {
     foot.face = found->second;
     foot.uv = mesh.property(uv, v);
     foot.deviation = mesh.property(deviation, v);
-    foot.point = model.faces[static_cast<std::size_t>(foot.face)].surface->point(foot.uv[0], foot.uv[1]);
+    const auto f = static_cast<std::size_t>(foot.face);
+    foot.point = model.faces[f].surface->point(foot.uv[0], foot.uv[1]);
+    if (!regions[f]) regions[f].emplace(model.faces[f]);
+    const Vec3 normal = outward_normal(model.faces[f], *regions[f], foot.uv);
+    for (int k = 0; k < 3; ++k) foot.normal[static_cast<std::size_t>(k)] = static_cast<float>(normal[k]);
     feet.push_back(foot);
   }
   return feet;

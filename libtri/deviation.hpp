@@ -58,7 +58,8 @@ Deviations deviations(const CadModel& model, std::span<const Vec3> points, std::
                       const DeviationOptions& options, const Context& context);
 
 /// What the properties of a triangulated mesh say about its vertices, in their order (see `property` in
-/// meshops/mesh.hpp): face, (u,v), deviation, and the foot, which is looked up. Normal and edge are not known.
+/// meshops/mesh.hpp): face, (u,v), deviation, and the foot with its outward normal, which are looked up. The edge is
+/// not known.
 /// @throws InvalidInput if a property is missing or a vertex has no face of the model
 std::vector<Foot> feet_of(const Mesh& mesh, const CadModel& model);
 

@@ -2,6 +2,7 @@
 
 // OpenMesh's headers do not compile after OpenCASCADE's.
 #include "libtri/deviation.hpp"
+#include "libtri/triangulate.hpp"
 
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
@@ -9,7 +10,9 @@
 #include <limits>
 #include <random>
 
+#include "libtri/example_parts.hpp"
 #include "libtri/shape_occt.hpp"
+#include "libtri/virtual_measurement.hpp"
 #include "meshops/error.hpp"
 
 using namespace tri;
@@ -148,4 +151,19 @@ TEST_CASE("deviations: refuses what it cannot count, and heeds a cancel") {
   Context cancelled;
   cancelled.cancel();
   CHECK_THROWS_AS(deviations(m.model, m.points, m.feet, {}, cancelled), Cancelled);
+}
+
+TEST_CASE("feet_of: the vertices of a triangulated cap have its normals") {
+  const Shape shape = example_part("sphere-cap");
+  const CadModel model = make_cad_model(shape);
+  MeasurementOptions options;
+  options.points = 300;
+  Context context;
+  const VirtualMeasurement m = measure(shape, options, context);
+  const TriangulateResult result = triangulate(model, m.points, {}, context);
+  const std::vector<Foot> feet = feet_of(result.mesh, model);
+  REQUIRE(feet.size() == result.mesh.n_vertices());
+  // The sphere is about the origin.
+  for (const Foot& foot : feet)
+    CHECK((Vec3(foot.normal[0], foot.normal[1], foot.normal[2]) - foot.point.normalized()).norm() < 1e-6);
 }
