@@ -12,29 +12,7 @@
 #include "libtri/alignment/probe.hpp"
 
 namespace tri::cli {
-namespace {
-
 using Json = nlohmann::ordered_json;
-
-Json to_json(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
-
-Json to_json(const FitQuality& q, double coverage) {
-  return {{"rms", q.rms},
-          {"sigma", q.sigma},
-          {"median", q.median},
-          {"inlier_share", q.inlier_share},
-          {"near_share", q.near_share},
-          {"coherent_share", q.coherent_share},
-          {"systematic", q.systematic},
-          {"coverage", coverage}};
-}
-
-const char* name_of(Freedom::Kind kind) {
-  constexpr std::array names{"slide", "turn", "screw", "swivel"};
-  return names[static_cast<std::size_t>(kind)];
-}
-
-}  // namespace
 
 void add_align_options(CLI::App& command, AlignInput& input) {
   command
@@ -81,38 +59,6 @@ Json to_json(const AlignInput& input) {
   Json json{{"align", input.mode}, {"pose", nullptr}, {"pairs", nullptr}, {"seed", input.seed}, {"probe_radius", input.probe_radius}};
   if (!input.pose.empty()) json["pose"] = input.pose;
   if (!input.pairs.empty()) json["pairs"] = input.pairs;
-  return json;
-}
-
-Json to_json(const AlignResult& r) {
-  Json json{{"status", name_of(r.status)},
-            {"pose", {{"matrix", r.pose.matrix()}, {"meaning", "takes the points to the model"}}},
-            {"kept", r.kept},
-            {"searched", r.searched},
-            {"iterations", r.iterations},
-            {"points_used", r.points_used},
-            {"fit", to_json(r.quality, r.coverage)},
-            {"information", r.information.eigenvalues},
-            {"standard_deviation", r.information.standard_deviation},
-            {"unit_factor", r.unit_factor}};
-  json["not_fixed"] = Json::array();
-  for (const Freedom& f : r.information.freedoms)
-    json["not_fixed"].push_back({{"kind", name_of(f.kind)},
-                                 {"axis", to_json(f.axis)},
-                                 {"place", to_json(f.place)},
-                                 {"pitch", f.pitch},
-                                 {"words", f.in_words()}});
-  json["badly_fixed"] = Json::array();
-  for (const auto& weak : r.information.weak)
-    json["badly_fixed"].push_back({{"words", weak.motion.in_words()}, {"standard_deviation", weak.standard_deviation}});
-  json["alternatives"] = Json::array();
-  for (const Alternative& a : r.alternatives)
-    json["alternatives"].push_back(
-        {{"words", a.words}, {"pose", {{"matrix", a.pose.matrix()}}}, {"fit", to_json(a.quality, a.coverage)}});
-  json["reasons"] = r.reasons;
-  json["notes"] = r.notes;
-  json["seconds"] = Json::object();
-  for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = json["seconds"].value(step, 0.0) + seconds;
   return json;
 }
 

@@ -6,6 +6,7 @@
 
 #include "cli/points_input.hpp"
 #include "cli/program.hpp"
+#include "io/result_json.hpp"
 #include "libtri/alignment/align.hpp"
 
 namespace tri::cli {
@@ -27,7 +28,6 @@ AlignOptions align_options(const AlignInput& input, double factor);
 
 /// For reports.
 nlohmann::ordered_json to_json(const AlignInput& input);
-nlohmann::ordered_json to_json(const AlignResult& result);
 
 /// What happened, for a person; several lines.
 std::string alignment_text(const AlignResult& result);

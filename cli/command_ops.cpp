@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
+#include "cli/plugins_input.hpp"
 #include "meshops/registry.hpp"
 
 namespace tri::cli {
@@ -35,8 +36,7 @@ std::string one_operator(const Operator& op) {
   return text;
 }
 
-int run(const std::string& name, bool json) {
-  const Registry& registry = Registry::standard();
+int run(const Registry& registry, const std::string& name, bool json) {
   if (json) {
     const Json all = registry.describe();
     if (name.empty()) {
@@ -65,19 +65,22 @@ void add_ops_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("ops", "List the operators of `tri run`, or explain one");
   struct Arguments {
     std::string name;
+    std::vector<std::string> plugins;
     bool json = false;
   };
   const auto a = std::make_shared<Arguments>();
   command->add_option("name", a->name, "Operator to explain; without, all are listed");
   command->add_flag("--json", a->json, "Names, options, units, ranges and defaults as JSON");
+  add_plugins_option(*command, a->plugins);
   command->footer(
       "Examples:\n"
       "  tri ops\n"
       "  tri ops fill-holes\n"
       "  tri ops --json");
   command->callback([a, &program] {
-    if (!a->name.empty()) usage([&] { return &Registry::standard().at(a->name); });
-    program.action = [a] { return run(a->name, a->json); };
+    const auto registry = std::make_shared<const Registry>(registry_with_plugins(a->plugins));
+    if (!a->name.empty()) usage([&] { return &registry->at(a->name); });
+    program.action = [a, registry] { return run(*registry, a->name, a->json); };
   });
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
+#include "cli/plugins_input.hpp"
 #include "cli/points_input.hpp"
 #include "cli/report_text.hpp"
 #include "io/input_file.hpp"
@@ -16,16 +17,23 @@ namespace {
 
 struct Arguments {
   std::string input, output, recipe, save;
+  std::vector<std::string> plugins;
   PointUnits units;
   bool ascii = false, json = false;
 };
 
-Pipeline pipeline_of(const Arguments& a, const Program& program) {
-  if (a.recipe.empty()) return usage([&] { return Pipeline::from_tokens(program.steps); });
+/// The steps, and the operators they name, which must live as long.
+struct Steps {
+  Registry registry;
+  Pipeline pipeline;
+};
+
+Pipeline pipeline_of(const Arguments& a, const Registry& registry, const Program& program) {
+  if (a.recipe.empty()) return usage([&] { return Pipeline::from_tokens(program.steps, registry); });
   if (!program.steps.empty()) throw UsageError("--recipe and steps on the command line exclude each other");
   const InputFile file(a.recipe);
   try {
-    return Pipeline::from_json(file.bytes());
+    return Pipeline::from_json(file.bytes(), registry);
   } catch (const InvalidInput& e) {
     throw UsageError(fmt::format("{}: {}", a.recipe, e.what()));
   }
@@ -126,6 +134,7 @@ void add_run_command(CLI::App& app, Program& program) {
   command->add_option("--save", a->save, "Write the steps to this file; without IN and OUT nothing else is done");
   command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");
   add_units_option(*command, a->units);
+  add_plugins_option(*command, a->plugins);
   command->add_flag("--json", a->json, "The report of every step as JSON on standard output");
   add_common_options(*command, program);
   command->footer(
@@ -141,17 +150,18 @@ void add_run_command(CLI::App& app, Program& program) {
       "  tri run scan.e57 ! remove-outliers ! thin --voxel 0.5 ! scan.ply\n"
       "  tri run part.stl part.obj");
   command->callback([a, &program] {
-    const auto pipeline = std::make_shared<const Pipeline>(pipeline_of(*a, program));
+    const auto steps = std::make_shared<Steps>(Steps{registry_with_plugins(a->plugins), Pipeline()});
+    steps->pipeline = pipeline_of(*a, steps->registry, program);
     if (a->output.empty()) {
       if (a->save.empty() || !a->input.empty())
         throw UsageError("say what to read and where to write: tri run IN ! OPERATOR ! OUT (tri run --help)");
-      program.action = [a, pipeline] { return save_only(*a, *pipeline); };
+      program.action = [a, steps] { return save_only(*a, steps->pipeline); };
       return;
     }
-    check_formats(*a, *pipeline);
-    program.action = [a, pipeline, &program] {
-      const int code = run(*a, *pipeline, program);
-      if (!a->save.empty()) write_json(a->save, pipeline->to_json());
+    check_formats(*a, steps->pipeline);
+    program.action = [a, steps, &program] {
+      const int code = run(*a, steps->pipeline, program);
+      if (!a->save.empty()) write_json(a->save, steps->pipeline.to_json());
       return code;
     };
   });

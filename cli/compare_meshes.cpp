@@ -31,31 +31,12 @@ struct Meshes {
   std::string mm(double v) const { return fmt::format("{:.{}f}", v, decimals); }
 };
 
-Json to_json(const OneSidedDistance& d) {
-  return {{"vertices", d.vertices.size()},
-          {"area", d.area},
-          {"samples", d.samples},
-          {"mean", d.mean},
-          {"mean_error", d.mean_error},
-          {"rms", d.rms},
-          {"max", d.max},
-          {"max_bound", d.max_bound},
-          {"place", point_json(d.place)},
-          {"foot", point_json(d.foot)}};
-}
-
 Json meshes_json(const Meshes& m) {
-  const MeshDistance& d = m.distance;
-  return {{"version", version},
-          {"options", to_json(m.options)},
-          {"hausdorff", d.hausdorff},
-          {"hausdorff_bound", d.hausdorff_bound},
-          {"mean", d.mean},
-          {"rms", d.rms},
-          {"forward", to_json(d.forward)},
-          {"backward", to_json(d.backward)},
-          {"colors", {{"low", m.scale.low}, {"high", m.scale.high}}},
-          {"vertices", statistics_json(m.at_vertices, m.options.tolerance.has_value())}};
+  Json json{{"version", version}, {"options", to_json(m.options)}};
+  json.update(to_json(m.distance));
+  json["colors"] = {{"low", m.scale.low}, {"high", m.scale.high}};
+  json["vertices"] = statistics_json(m.at_vertices, m.options.tolerance.has_value());
+  return json;
 }
 
 std::string meshes_csv(const Meshes& m) {

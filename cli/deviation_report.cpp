@@ -7,6 +7,7 @@
 #include "cli/page_parts.hpp"
 #include "cli/program.hpp"
 #include "io/html_text.hpp"
+#include "io/result_json.hpp"
 #include "meshops/version.hpp"
 
 namespace tri::cli {
@@ -49,27 +50,9 @@ Json deviation_json(const DeviationReport& r) {
             {"triangles", r.triangles},
             {"alignment", r.alignment},
             {"tolerance", nullptr},
-            {"colors", {{"low", r.scale.low}, {"high", r.scale.high}}},
-            {"overall", statistics_json(d.overall, tolerance)}};
+            {"colors", {{"low", r.scale.low}, {"high", r.scale.high}}}};
   if (tolerance) json["tolerance"] = {r.options.tolerance->low, r.options.tolerance->high};
-  json["faces"] = Json::array();
-  for (const FaceDeviation& f : d.per_face) {
-    Json face{{"face", f.face}, {"name", f.name}, {"surface", f.surface_type}, {"area", f.area}};
-    face.update(statistics_json(f.statistics, tolerance));
-    json["faces"].push_back(face);
-  }
-  json["far"] = {{"distance", nullptr}, {"points", d.far.size()}, {"indices", d.far}};
-  if (r.options.max_distance) json["far"]["distance"] = *r.options.max_distance;
-  json["worst"] = Json::array();
-  for (const DeviationSpot& s : d.spots)
-    json["worst"].push_back({{"point", s.point},
-                             {"position", point_json(s.position)},
-                             {"foot", point_json(s.foot)},
-                             {"deviation", s.deviation},
-                             {"face", s.face}});
-  json["unusable_faces"] = Json::array();
-  for (const UnusableFace& f : r.model->unusable_faces)
-    json["unusable_faces"].push_back({{"face", f.index}, {"name", f.name}, {"reason", f.reason}});
+  json.update(to_json(d, *r.model, r.options));
   json["notes"] = r.notes;
   return json;
 }

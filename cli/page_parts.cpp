@@ -31,31 +31,6 @@ std::string scale_note(const DeviationScale& scale, const std::string& unit) {
                      scale.low, scale.high, unit);
 }
 
-nlohmann::ordered_json statistics_json(const ValueStatistics& s, bool tolerance) {
-  using Json = nlohmann::ordered_json;
-  Json json{{"points", s.count}};
-  const auto number = [&](const char* key, double value) { json[key] = s.count > 0 ? Json(value) : Json(nullptr); };
-  number("mean", s.mean);
-  number("rms", s.rms);
-  number("standard_deviation", s.standard_deviation);
-  number("min", s.min);
-  number("p5", s.p5);
-  number("median", s.median);
-  number("p95", s.p95);
-  number("max", s.max);
-  json["min_index"] = s.count > 0 ? Json(s.min_index) : Json(nullptr);
-  json["max_index"] = s.count > 0 ? Json(s.max_index) : Json(nullptr);
-  if (tolerance) {
-    json["in_tolerance"] = s.in_tolerance;
-    number("share_in_tolerance", static_cast<double>(s.in_tolerance) / static_cast<double>(s.count));
-  }
-  return json;
-}
-
-nlohmann::ordered_json point_json(const Vec3& p) {
-  return {p[0], p[1], p[2]};
-}
-
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string result = "\"";

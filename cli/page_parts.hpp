@@ -8,6 +8,7 @@
 
 #include "cli/program.hpp"
 #include "io/html_report.hpp"
+#include "io/measure_json.hpp"
 #include "meshops/value_statistics.hpp"
 
 namespace tri::cli {
@@ -18,10 +19,6 @@ namespace tri::cli {
 DeviationScale scale_of(std::span<const double> values, const std::optional<Tolerance>& tolerance);
 /// The same in one sentence.
 std::string scale_note(const DeviationScale& scale, const std::string& unit);
-
-/// {"points", "mean", "rms", …}: null where there is no point. @param tolerance  whether there is one
-nlohmann::ordered_json statistics_json(const ValueStatistics& s, bool tolerance);
-nlohmann::ordered_json point_json(const Vec3& p);
 
 /// A field of a CSV file [RFC 4180].
 std::string csv_field(const std::string& text);

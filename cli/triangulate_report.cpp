@@ -12,65 +12,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Vec3& p) { return {p[0], p[1], p[2]}; }
-
-Json to_json(const SurfaceTopology& t) { return {{"components", t.components}, {"loops", t.loops}, {"euler", t.euler}}; }
-
 std::string to_text(const SurfaceTopology& t) {
   return fmt::format("{} components, {} loops, Euler {}", t.components, t.loops, t.euler);
 }
 
 }  // namespace
 
-const char* name_of(Method method) {
-  switch (method) {
-    case Method::automatic:
-      return "auto";
-    case Method::patches:
-      return "patches";
-    case Method::shell:
-      return "shell";
-  }
-  return "";
-}
-
 Json triangulate_report(const TriangulateResult& r, const CadModel& model, std::uint64_t points, const Json& options) {
-  Json json{{"version", version},
-            {"options", options},
-            {"points", points},
-            {"vertices", r.mesh.n_vertices()},
-            {"triangles", r.mesh.n_faces()},
-            {"method", name_of(r.method)},
-            {"method_reason", r.method_reason},
-            {"sigma", r.sigma},
-            {"outliers", r.outliers},
-            {"duplicates", r.duplicates}};
-  json["faces"] = Json::array();
-  for (const FaceCoverage& f : r.faces)
-    json["faces"].push_back(
-        {{"face", f.face}, {"name", f.name}, {"points", f.points}, {"area", f.area}, {"method", f.method}});
-  json["unmeasured_faces"] = r.unmeasured_faces;
-  json["holes"] = Json::array();
-  for (const UnmeasuredRegion& h : r.holes)
-    json["holes"].push_back(
-        {{"center", to_json(h.center)}, {"radius", h.radius}, {"spacing", h.spacing}, {"faces", h.faces}});
-  json["unusable_faces"] = Json::array();
-  for (const UnusableFace& f : model.unusable_faces)
-    json["unusable_faces"].push_back({{"face", f.index}, {"name", f.name}, {"reason", f.reason}});
-  json["topology"] = {{"model", to_json(r.checks.model)},
-                      {"mesh", to_json(r.checks.mesh)},
-                      {"same", r.checks.model == r.checks.mesh}};
-  json["checks"] = {{"self_intersections", r.checks.self_intersections},
-                    {"folds", r.checks.folds},
-                    {"turned", r.checks.turned},
-                    {"bridging", r.checks.bridging},
-                    {"bridging_share", r.checks.bridging_share},
-                    {"unused_points", r.checks.unused_points}};
-  json["seconds"] = Json::object();
-  for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = seconds;
-  json["steps"] = Json::array();
-  for (const Report& report : r.steps) json["steps"].push_back(tri::to_json(report));
-  json["notes"] = r.notes;
+  Json json{{"version", version}, {"options", options}, {"points", points}};
+  json.update(to_json(r, model));
   return json;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "io/html_report.hpp"
+#include "io/result_json.hpp"
 #include "libtri/triangulate.hpp"
 
 namespace tri::cli {
@@ -27,7 +28,5 @@ struct TriangulateInputs {
 /// @param mesh  of the result, as it is written; shown by the page, so it must outlive it
 HtmlReport triangulate_page(const TriangulateResult& result, const CadModel& model, const TriangulateInputs& inputs, const Soup& mesh,
                             const Context& context);
-
-const char* name_of(Method method);
 
 }  // namespace tri::cli

@@ -77,13 +77,19 @@ const Registry& Registry::standard() {
   return registry;
 }
 
+Registry& Registry::operator=(Registry other) noexcept {
+  code_.swap(other.code_);
+  operators_.swap(other.operators_);
+  return *this;
+}
+
 Operator& Registry::insert(std::string_view name, std::string_view summary, Domain domain, const OptionSchema& schema,
                            const Promises& promises, Operator::Key key) {
   const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
   if (name.empty() || !std::ranges::all_of(name, allowed) || name.front() == '-' || name.back() == '-')
     throw InvalidInput(fmt::format("operator name '{}' is not kebab-case", name));
   if (find(name)) throw InvalidInput(fmt::format("operator {} is there already", name));
-  auto op = std::make_unique<Operator>();
+  auto op = std::make_shared<Operator>();
   op->name_ = name;
   op->summary_ = summary;
   op->domain_ = domain;

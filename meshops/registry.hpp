@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "meshops/context.hpp"
@@ -79,8 +80,18 @@ class Operator {
 ///
 /// (or `Soup&` or `PointSet&` in place of `MeshView`), whose first line is `validate(options);`. Then one line in
 /// register_operators.cpp.
+///
+/// Copies are cheap and independent: they share the operators they have and add further ones each for itself. A program
+/// with operators of its own or of plug-ins copies the standard registry, adds to the copy, and hands that to its
+/// pipelines; nothing is global.
 class Registry {
  public:
+  Registry() = default;
+  Registry(const Registry&) = default;
+  Registry(Registry&&) noexcept = default;
+  Registry& operator=(Registry other) noexcept;
+  ~Registry() = default;
+
   /// Every operator of meshops; immutable, safe to read from any thread.
   static const Registry& standard();
 
@@ -117,8 +128,11 @@ class Registry {
   void add_conversion(std::string_view name, Domain from, Domain to, Report (*function)(Geometry&, Context&),
                       std::string_view summary);
 
+  /// Keeps `code`, say a plug-in whose functions are registered here, for as long as this registry or a copy lives.
+  void keep(std::shared_ptr<const void> code) { code_.push_back(std::move(code)); }
+
   /// In order of registration.
-  const std::vector<std::unique_ptr<const Operator>>& operators() const { return operators_; }
+  const std::vector<std::shared_ptr<const Operator>>& operators() const { return operators_; }
   /// Nullptr if there is none.
   const Operator* find(std::string_view name) const;
   const Operator* find(Operator::Key function) const;
@@ -132,7 +146,9 @@ class Registry {
   Operator& insert(std::string_view name, std::string_view summary, Domain domain, const OptionSchema& schema,
                    const Promises& promises, Operator::Key key);
 
-  std::vector<std::unique_ptr<const Operator>> operators_;
+  // First, so that it is released last: operators are destroyed by the code that registered them.
+  std::vector<std::shared_ptr<const void>> code_;
+  std::vector<std::shared_ptr<const Operator>> operators_;
 };
 
 /// The explicit list (self-registration is dropped from static libraries).

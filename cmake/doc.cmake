@@ -1,0 +1,16 @@
+# Target `doc`: the API reference of the public headers, in build/PRESET/doc/html; any warning of Doxygen is an error.
+find_program(DOXYGEN doxygen)
+if(DOXYGEN)
+  set(tri_doc_headers)
+  foreach(target IN LISTS tri_components)
+    get_target_property(headers ${target} HEADER_SET)
+    list(APPEND tri_doc_headers ${headers})
+  endforeach()
+  file(GLOB guides CONFIGURE_DEPENDS docs/*.md)
+  list(JOIN tri_doc_headers " " tri_doc_input)
+  list(JOIN guides " " tri_doc_guides)
+  string(APPEND tri_doc_input " ${PROJECT_BINARY_DIR}/generated/meshops/version.hpp ${tri_doc_guides}")
+  configure_file(cmake/Doxyfile.in ${PROJECT_BINARY_DIR}/doc/Doxyfile @ONLY)
+  add_custom_target(doc COMMAND ${DOXYGEN} ${PROJECT_BINARY_DIR}/doc/Doxyfile
+    WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/doc VERBATIM)
+endif()

@@ -1,0 +1,85 @@
+# What `cmake --install` puts where, and the packages that `cpack` makes of it. Three components: Runtime (the program and the
+# shared libraries), Development (headers, CMake and pkg-config files, static libraries), Python (the module tri).
+
+include(CMakePackageConfigHelpers)
+
+set(tri_components meshops io)
+if(TRI_WITH_CAD)
+  list(INSERT tri_components 1 libtri)
+endif()
+configure_package_config_file(cmake/tri-config.cmake.in ${PROJECT_BINARY_DIR}/package/tri-config.cmake
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tri NO_SET_AND_CHECK_MACRO NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+# Until 1.0 a change of the second number may break what was there.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/package/tri-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/package/tri-config.cmake ${PROJECT_BINARY_DIR}/package/tri-config-version.cmake cmake/tri-plugin.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/tri COMPONENT Development)
+
+# The prefix is told by the place of the file, so that an installation can be moved.
+file(RELATIVE_PATH tri_pc_to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+# tri_pkg_config(COMPONENT DESCRIPTION LIBRARY REQUIRES PRIVATE_REQUIRES PRIVATE_LIBRARIES)
+function(tri_pkg_config component description library requires private_requires private_libraries)
+  configure_file(cmake/tri.pc.in ${PROJECT_BINARY_DIR}/package/tri-${component}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/package/tri-${component}.pc
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
+endfunction()
+
+tri_pkg_config(meshops "Triangle meshes: operators, registry, pipeline" tri_meshops
+  "openmesh eigen3 nlohmann_json" "tbb fmt" "")
+set(lzf)
+if(LZF_LIBRARY)
+  set(lzf -llzf)
+endif()
+set(io_requires "fmt libpng pugixml")
+if(tri_3mf)
+  string(APPEND io_requires " libzip expat")
+endif()
+if(TRI_WITH_CAD)
+  list(TRANSFORM tri_occt PREPEND -l OUTPUT_VARIABLE occt)
+  list(JOIN occt " " occt)
+  tri_pkg_config(libtri "Triangle meshes from CAD models and measured points" tri "tri-meshops" "tbb fmt" "${occt}")
+  tri_pkg_config(io "Files of meshes, points and CAD models" tri_io "tri-libtri" "${io_requires}" "${lzf}")
+else()
+  tri_pkg_config(io "Files of meshes and points" tri_io "tri-meshops" "${io_requires}" "${lzf}")
+endif()
+
+if(TRI_BUILD_CLI)
+  install(TARGETS tri RUNTIME COMPONENT Runtime)
+endif()
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT Runtime)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT Runtime)
+if(TRI_WITH_PYTHON)
+  install(DIRECTORY python/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT Python)
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME tri)
+set(CPACK_PACKAGE_VENDOR "the tri project")
+set(CPACK_PACKAGE_CONTACT "the tri project <tri@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME tri)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME tri-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+string(CONCAT CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "tri (= ${PROJECT_VERSION}), libopenmesh-dev, libeigen3-dev, nlohmann-json3-dev")
+set(CPACK_COMPONENTS_ALL Runtime Development)
+if(TRI_WITH_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL Python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tri)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  math(EXPR tri_next_python "${Python3_VERSION_MINOR} + 1")
+  string(CONCAT CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "tri (= ${PROJECT_VERSION}), python3-numpy, "
+    "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${tri_next_python})")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python module tri.")
+endif()
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "The program tri and its shared libraries.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers, CMake and pkg-config files of the libraries of tri.")
+include(CPack)
