@@ -78,7 +78,8 @@ void request_status(Kernel& mesh) {
 
 /// Runs a function on a mesh and records what it changes.
 /// @param function  is called with the MeshView to work on; may return a Report or several, which the change set keeps
-/// @throws what the function throws, Cancelled among it; the mesh is then as it was, bit for bit
+/// @throws what the function throws, Cancelled among it; the mesh is then as it was, bit for bit (with `notes_only`: as the
+///   function left it). InvalidInput if the mesh of a view has no status attributes.
 template <std::invocable<MeshView> Function>
 ChangeSet record(MeshView mesh, const Function& function, Recording recording = Recording::undoable);
 

@@ -27,7 +27,8 @@
 /// -1 at a new vertex, since it was not measured.)
 ///
 /// The status of new elements is cleared, but pieces of an edge or a face keep its bits `selected`, `locked` and `feature`.
-/// The functions check nothing: what they require is the caller's job. They allocate memory, and throw only if there is none.
+/// The functions check nothing: what they require is the caller's job. They allocate memory, and throw only if there is none. One
+/// mesh is changed by one thread at a time; different meshes by different threads.
 namespace tri {
 
 /// A vertex from which a new one inherits, and its share; the shares sum to 1.

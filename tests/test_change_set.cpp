@@ -1,5 +1,7 @@
 #include "kernels.hpp"
 
+#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
+
 #include <doctest/doctest.h>
 
 #include <random>
@@ -492,6 +494,41 @@ TEST_CASE("change_set: a dry run reports and names what it would touch, and chan
   const Pipeline pipeline = Pipeline::from_json(R"({"version": 1, "steps": [{"op": "fill-holes"}, {"op": "flip-diagonals"}]})");
   ChangeSet whole = record(mesh, [&](MeshView view) { return pipeline.run(view, context); });
   CHECK(whole.reports().size() == 2);
+}
+
+TEST_CASE("change_set: polygon meshes are not triangle kernels, and a view without status is not recorded") {
+  CHECK_FALSE(is_triangle_kernel<OpenMesh::PolyMesh_ArrayKernelT<>>);
+  CHECK(is_triangle_kernel<BareKernel>);
+  Mesh mesh = grid(2, 2);
+  mesh.release_edge_status();
+  CHECK_THROWS_AS(record(view_of(mesh), [](MeshView) {}), InvalidInput);
+  CHECK_NOTHROW(record(mesh, [](MeshView) {}));  // requests it
+  CHECK(mesh.has_edge_status());
+}
+
+TEST_CASE("change_set: what new elements inherit is the same in a recording, and an editor's own policy reaches it") {
+  PropertyPolicy policy = PropertyPolicy::standard();
+  policy.set_initial("editor:id", -7);
+  EditorKernel mesh;
+  copy_mesh(grid(2, 2), mesh);
+  add_properties(mesh);
+  OpenMesh::VPropHandleT<int> id;
+  OpenMesh::VPropHandleT<float> weight;
+  REQUIRE(mesh.get_property_handle(id, "editor:id"));
+  REQUIRE(mesh.get_property_handle(weight, "editor:weight"));
+  const auto split = [](MeshView view) { split_edge(view, EdgeHandle(0), Vec3(0.5, 0, 0), 0.5); };
+  ChangeSet change = record(mesh, split, Recording::undoable, policy);
+  const VertexHandle m(9);
+  const auto h = EdgeHandle(0);
+  CHECK(mesh.n_vertices() == 10);
+  CHECK(mesh.property(id, m) == -7);
+  const MeshState after = state_of(mesh);
+  change.undo(mesh);
+  const float a = mesh.property(weight, mesh.from_vertex_handle(mesh.halfedge_handle(h, 0)));
+  const float b = mesh.property(weight, mesh.to_vertex_handle(mesh.halfedge_handle(h, 0)));
+  change.redo(mesh);
+  CHECK(difference(state_of(mesh), after) == "");
+  CHECK(mesh.property(weight, m) == doctest::Approx((a + b) / 2));
 }
 
 TEST_CASE("property_policy: rules by name come before rules by type, and these before the general one") {
