@@ -1,8 +1,8 @@
-// Filling one long curved hole; the peer is CGAL's triangulate_hole with its search over the 3-D Delaunay triangulation. The
-// goal is its time at 2,000 edges and half of it at 10,000. Where the Delaunay triangulation holds no filling CGAL searches
-// everything, or (ragged/2000) returns a filling that crosses itself. Beside the time stands what both reach by the same measures:
-// `area`, `turn` (the largest dihedral angle, degrees, with the rim), `mean_turn` (weighted by length) and `crossings` (pairs of
-// new triangles that meet in more than what they share).
+// Filling one long curved hole; the peer is CGAL's triangulate_hole with its search over the 3-D Delaunay
+// triangulation. The goal is its time at 2,000 edges and half of it at 10,000. Where the Delaunay triangulation holds
+// no filling CGAL searches everything, or (ragged/2000) returns a filling that crosses itself. Beside the time stands
+// what both reach by the same measures: `area`, `turn` (the largest dihedral angle, degrees, with the rim), `mean_turn`
+// (weighted by length) and `crossings` (pairs of new triangles that meet in more than what they share).
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
@@ -37,7 +37,8 @@ Vec3 rim(Shape shape, double t, double out) {
   const double a = 2 * pi * t;
   if (shape == noisy) {  // a saddle measured with an error of half the spacing at 10,000 edges
     const double e = 3e-4 * std::sin(1e5 * t * t + out);
-    return {(1 + out + e) * std::cos(a), (1 + out + e) * std::sin(a), 0.4 * (1 + out) * std::sin(3 * a) + 3e-4 * std::sin(7e4 * t * t)};
+    return {(1 + out + e) * std::cos(a), (1 + out + e) * std::sin(a),
+            0.4 * (1 + out) * std::sin(3 * a) + 3e-4 * std::sin(7e4 * t * t)};
   }
   if (shape == saddle) return {(1 + out) * std::cos(a), (1 + out) * std::sin(a), 0.4 * (1 + out) * std::sin(3 * a)};
   // On the unit sphere, at a polar angle that wavers.
@@ -66,7 +67,8 @@ Holed holed(Shape shape, int n) {
 }
 
 /// What the triangles from `first` on are like.
-void judge(benchmark::State& state, std::span<const Vec3> points, const std::vector<Triangle>& triangles, std::size_t first) {
+void judge(benchmark::State& state, std::span<const Vec3> points, const std::vector<Triangle>& triangles,
+           std::size_t first) {
   const auto normal = [&](const Triangle& t) { return (points[t[1]] - points[t[0]]) % (points[t[2]] - points[t[0]]); };
   double area = 0, turn = 0, sum = 0, length = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> beyond;
@@ -149,17 +151,23 @@ void peer(benchmark::State& state, Shape shape) {
   judge(state, h.points, triangles, h.triangles.size());
 }
 
-const std::array<std::pair<const char*, Shape>, 4> shapes{{{"saddle", saddle}, {"noisy", noisy}, {"ragged", ragged}, {"sphere", sphere}}};
+const std::array<std::pair<const char*, Shape>, 4> shapes{
+    {{"saddle", saddle}, {"noisy", noisy}, {"ragged", ragged}, {"sphere", sphere}}};
 
 const bool registered = [] {
   for (const auto& [name, shape] : shapes)
     for (const int n : {100, 500, 2000, 10000}) {
       const std::string end = std::string("/") + name;
       benchmark::RegisterBenchmark(("fill_holes" + end).c_str(), ours, shape, HoleStrategy::least_bending)
-          ->Arg(n)->Unit(benchmark::kMillisecond);
-      benchmark::RegisterBenchmark(("fill_holes_nearest_diagonal" + end).c_str(), ours, shape, HoleStrategy::nearest_diagonal)
-          ->Arg(n)->Unit(benchmark::kMillisecond);
-      benchmark::RegisterBenchmark(("CGAL_triangulate_hole" + end).c_str(), peer, shape)->Arg(n)->Unit(benchmark::kMillisecond);
+          ->Arg(n)
+          ->Unit(benchmark::kMillisecond);
+      benchmark::RegisterBenchmark(("fill_holes_nearest_diagonal" + end).c_str(), ours, shape,
+                                   HoleStrategy::nearest_diagonal)
+          ->Arg(n)
+          ->Unit(benchmark::kMillisecond);
+      benchmark::RegisterBenchmark(("CGAL_triangulate_hole" + end).c_str(), peer, shape)
+          ->Arg(n)
+          ->Unit(benchmark::kMillisecond);
     }
   return true;
 }();

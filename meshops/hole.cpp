@@ -120,7 +120,8 @@ std::vector<VertexTriple> Hole::named(const std::vector<RingTriangle>& triangles
   return result;
 }
 
-std::vector<VertexTriple> Hole::triangulate(HoleStrategy strategy, int max_dynamic_edges, const Context& context) const {
+std::vector<VertexTriple> Hole::triangulate(HoleStrategy strategy, int max_dynamic_edges,
+                                            const Context& context) const {
   return named(fill_ring(ring(), strategy, max_dynamic_edges, context).triangles);
 }
 
@@ -140,7 +141,8 @@ HoleFilling Hole::fill(HoleStrategy strategy, int max_dynamic_edges, const Filli
     return obstacles.crossings({vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]});
   };
   std::vector<HoleStrategy> strategies{strategy};
-  for (const HoleStrategy other : {HoleStrategy::least_bending, HoleStrategy::minimum_area, HoleStrategy::nearest_diagonal})
+  for (const HoleStrategy other :
+       {HoleStrategy::least_bending, HoleStrategy::minimum_area, HoleStrategy::nearest_diagonal})
     if (other != strategy) strategies.push_back(other);
   HoleFilling best;
   for (const HoleStrategy next : strategies) {
@@ -203,7 +205,7 @@ std::vector<Vec3> Hole::vertex_normals() const {
 
 std::vector<std::vector<HalfedgeHandle>> simple_loops(MeshView view, const std::vector<HalfedgeHandle>& loop) {
   std::vector<std::vector<HalfedgeHandle>> loops;
-  std::vector<HalfedgeHandle> open;  // the way since the start, without the loops that were cut off
+  std::vector<HalfedgeHandle> open;            // the way since the start, without the loops that were cut off
   std::unordered_map<int, std::size_t> place;  // of the vertices at which those half-edges start
   for (const HalfedgeHandle h : loop) {
     const VertexHandle from = view.mesh.from_vertex_handle(h), to = view.mesh.to_vertex_handle(h);

@@ -15,14 +15,16 @@ namespace tri {
 struct HoleFilling {
   std::vector<VertexTriple> triangles;  ///< none if there is no triangulation without an existing edge
   bool in_pieces = false;               ///< `RingFilling::in_pieces`
-  std::size_t crossings = 0;  ///< pairs of triangles, of the filling or of it and the mesh, that meet where they should not
+  std::size_t crossings =
+      0;  ///< pairs of triangles, of the filling or of it and the mesh, that meet where they should not
 };
 
 /// One boundary loop and the ways to close it. Reads the mesh; valid until the mesh changes at the rim.
 class Hole {
  public:
-  /// @param rim  the loop's boundary half-edges in order (see `BoundaryLoop::halfedges`); new triangles run along them. A
-  /// loop that meets itself is taken as one outline (an island that touches the rim, say); see `simple_loops` as well.
+  /// @param rim  the loop's boundary half-edges in order (see `BoundaryLoop::halfedges`); new triangles run along them.
+  /// A loop that meets itself is taken as one outline (an island that touches the rim, say); see `simple_loops` as
+  /// well.
   Hole(MeshView view, std::vector<HalfedgeHandle> rim);
 
   /// Vertices in order, and after `join_island` those at which a bridge ends twice.

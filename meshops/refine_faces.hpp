@@ -18,10 +18,12 @@ namespace tri {
 /// are flipped. New elements inherit as `split_face` says.
 /// @param faces  each once; new ones are appended
 /// @param growth  0 and above; with 0 the number of triangles grows with the area, else with the length of the rim
-/// @param crossings  if not empty: how many things a triangle runs into; an edge is not flipped where that makes it more
+/// @param crossings  if not empty: how many things a triangle runs into; an edge is not flipped where that makes it
+/// more
 /// @return the new vertices
 /// @throws Cancelled between triangles; the mesh is valid then, and `faces` complete
 std::vector<VertexHandle> refine_faces(MeshView mesh, std::vector<FaceHandle>& faces, double growth,
-                                       const std::function<int(const VertexTriple&)>& crossings, const Context& context);
+                                       const std::function<int(const VertexTriple&)>& crossings,
+                                       const Context& context);
 
 }  // namespace tri

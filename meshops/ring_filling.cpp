@@ -23,7 +23,8 @@ bool fill_rest(const Ring& ring, std::span<const std::int32_t> left, RingObjecti
     points.push_back(ring.points[left[i]]);
     Vec3 sum(0, 0, 0);
     if (!ring.edge_normals.empty())
-      for (auto at = static_cast<std::size_t>(left[i]); at != static_cast<std::size_t>(left[(i + 1) % m]); at = (at + 1) % n)
+      for (auto at = static_cast<std::size_t>(left[i]); at != static_cast<std::size_t>(left[(i + 1) % m]);
+           at = (at + 1) % n)
         sum += ring.edge_normals[at] * (ring.points[(at + 1) % n] - ring.points[at]).norm();
     normals.push_back(unit_or_zero(sum));
   }

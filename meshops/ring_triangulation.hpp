@@ -13,8 +13,8 @@
 
 namespace tri {
 
-/// A triangulation of a ring that is being made better. The ring may be known in part: `left` are the positions that the
-/// triangles use so far, and ears are then added in the reverse of the order in which they were cut.
+/// A triangulation of a ring that is being made better. The ring may be known in part: `left` are the positions that
+/// the triangles use so far, and ears are then added in the reverse of the order in which they were cut.
 class RingTriangulation {
  public:
   /// All spans and references must outlive this object.
@@ -29,18 +29,18 @@ class RingTriangulation {
   /// makes the triangulation lighter (with `RingObjective::dihedral_area`: by the weight of `RingObjective::bending`).
   void add_ear(const RingTriangle& ear);
 
-  /// Takes out the connected pieces of `piece` triangles around each edge between triangles whose normals differ by more
-  /// than `least_turn` (1 - cos), triangulates each by `triangulate_ring` and puts that back if it is lighter; then again
-  /// where something changed, until no piece gets better or each triangle was in the middle of a piece 8 times. Linear
-  /// time.
+  /// Takes out the connected pieces of `piece` triangles around each edge between triangles whose normals differ by
+  /// more than `least_turn` (1 - cos), triangulates each by `triangulate_ring` and puts that back if it is lighter;
+  /// then again where something changed, until no piece gets better or each triangle was in the middle of a piece 8
+  /// times. Linear time.
   /// @return how many pieces were changed.
   /// @throws Cancelled between pieces (below a millisecond with 30 triangles)
   std::size_t improve_pieces(int piece, double least_turn, const Context& context);
 
   const std::vector<RingTriangle>& triangles() const { return triangles_; }
 
-  /// Chooses triangles for a piece: `triangles` (indices into `triangles()`) lie within the ring of `corners` (ascending
-  /// positions). Fills `found` with indices into `corners` and returns true to have the piece replaced.
+  /// Chooses triangles for a piece: `triangles` (indices into `triangles()`) lie within the ring of `corners`
+  /// (ascending positions). Fills `found` with indices into `corners` and returns true to have the piece replaced.
   using PieceSolver = std::function<bool(std::span<const std::int32_t> triangles, std::span<const std::int32_t> corners,
                                          std::vector<RingTriangle>& found)>;
   /// Hands the connected `size` triangles around one (all, if there are fewer) to `solver`.

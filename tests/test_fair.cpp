@@ -60,7 +60,9 @@ Mesh holed_plane(const Vec3& normal) {
   const Vec3 u = (normal % Vec3(0.3, 0.5, 0.7)).normalized(), v = normal.normalized() % u;
   PatchShape s;
   s.nu = s.nv = 20;
-  s.point = [=](int i, int j) { return (i - 10 + 0.3 * std::sin(i + 2 * j)) * u + (j - 10 + 0.3 * std::cos(3 * i)) * v; };
+  s.point = [=](int i, int j) {
+    return (i - 10 + 0.3 * std::sin(i + 2 * j)) * u + (j - 10 + 0.3 * std::cos(3 * i)) * v;
+  };
   s.keep = [](int i, int j) { return std::hypot(i - 9.5, j - 9.5) > 5; };
   return s.mesh();
 }
@@ -139,7 +141,9 @@ TEST_CASE("fair: with tangent no vertex can move without raising the thin-plate 
 
 TEST_CASE("fair: the result turns, moves and scales with the mesh") {
   const double c = std::cos(1.1), s = std::sin(1.1);
-  const auto moved = [&](const Vec3& p) { return 250.0 * Vec3(c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]) + Vec3(1e3, -2e3, 10); };
+  const auto moved = [&](const Vec3& p) {
+    return 250.0 * Vec3(c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]) + Vec3(1e3, -2e3, 10);
+  };
   for (const auto continuity : continuities) {
     Mesh mesh = bumpy_grid(10, 10);
     select(mesh, [](const Vec3& p) { return std::hypot(p[0] - 5, p[1] - 5) < 3; });

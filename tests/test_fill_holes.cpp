@@ -378,7 +378,8 @@ TEST_CASE("fill_holes: a filling goes round what stands in its way where it can;
     CHECK(report.figures.at("fillings that cross the mesh") == 1);
     CHECK(report.notes.size() == 1);
     Mesh free = pierced(1, 2);
-    CHECK(fill_holes(view_of(free), {.strategy = strategy}, context).figures.count("fillings that cross the mesh") == 0);
+    CHECK(fill_holes(view_of(free), {.strategy = strategy}, context).figures.count("fillings that cross the mesh") ==
+          0);
   }
 }
 

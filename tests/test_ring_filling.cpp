@@ -174,7 +174,8 @@ TEST_CASE("fill_ring: what is filled does not depend on place, turn and scale") 
   for (Vec3& p : moved.points) p = 1024.0 * Vec3(p[2], p[0], p[1]);
   for (const auto strategy : strategies) {
     Context context;
-    const auto a = fill_ring(ring, strategy, 64, context).triangles, b = fill_ring(moved, strategy, 64, context).triangles;
+    const auto a = fill_ring(ring, strategy, 64, context).triangles,
+               b = fill_ring(moved, strategy, 64, context).triangles;
     CHECK(area(moved.points, b) == doctest::Approx(1024.0 * 1024.0 * area(ring.points, a)).epsilon(1e-3));
   }
 }

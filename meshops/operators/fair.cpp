@@ -26,8 +26,7 @@ std::vector<VertexHandle> chosen_vertices(MeshView view, const FairOptions& opti
   for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i) {
     const VertexHandle v(i);
     if (mesh.status(v).deleted()) continue;
-    if (region.is_valid() ? mesh.property(region, v) > 0 : mesh.status(v).selected())
-      chosen.push_back(v);
+    if (region.is_valid() ? mesh.property(region, v) > 0 : mesh.status(v).selected()) chosen.push_back(v);
   }
   return chosen;
 }

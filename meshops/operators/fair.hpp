@@ -14,8 +14,8 @@ namespace tri {
 struct FairOptions {
   Continuity continuity = Continuity::tangent;
   FairingWeights weights = FairingWeights::cotangent;
-  /// Vertex property (int): vertices with a value above 0 move. Empty: the vertices that are selected (OpenMesh's status
-  /// bit) move.
+  /// Vertex property (int): vertices with a value above 0 move. Empty: the vertices that are selected (OpenMesh's
+  /// status bit) move.
   std::string region;
   /// Move if not empty, whatever `region` and the selection say. C++ only.
   std::span<const VertexHandle> vertices = {};
@@ -28,10 +28,10 @@ struct FairOptions {
 ///
 /// Links, handles and the number of elements stay. Vertices that the view's selection does not allow to move are passed
 /// over. Vertices that cannot move are counted in `skipped`: "boundary
-/// vertex", "isolated vertex", "no neighbour stays" (a whole component was chosen). Where cotangent weights fail, since a
-/// triangle has no area or the system is singular, uniform weights take their place, with a note; if those fail as well
-/// nothing moves, and the vertices are in `skipped` by the reason's name. Figure: "largest distance" (model units).
-/// On cancel the mesh is untouched; the decomposition (0.2 s for 20,000 vertices) is not interrupted.
+/// vertex", "isolated vertex", "no neighbour stays" (a whole component was chosen). Where cotangent weights fail, since
+/// a triangle has no area or the system is singular, uniform weights take their place, with a note; if those fail as
+/// well nothing moves, and the vertices are in `skipped` by the reason's name. Figure: "largest distance" (model
+/// units). On cancel the mesh is untouched; the decomposition (0.2 s for 20,000 vertices) is not interrupted.
 /// @throws InvalidInput if `region` names no int property, or a handle of `vertices` is invalid or deleted; the mesh is
 /// untouched.
 Report fair(MeshView mesh, const FairOptions& options, Context& context);

@@ -31,10 +31,7 @@ const OptionSchema& FillHolesOptions::schema() {
           .number("max-diameter", &O::max_diameter,
                   {.unit = "mm", .min = 0, .infinite = true, .help = "loops with two vertices farther apart stay open"})
           .integer("max-dynamic-edges", &O::max_dynamic_edges,
-                   {.unit = "edges",
-                    .min = 3,
-                    .max = 1000,
-                    .help = "longer loops are optimised piece by piece"})
+                   {.unit = "edges", .min = 3, .max = 1000, .help = "longer loops are optimised piece by piece"})
           .boolean("refine", &O::refine, {.help = "puts vertices into the holes, as dense as at the rim"})
           .number("growth", &O::growth,
                   {.min = 0, .max = 10, .help = "growth of edges by distance from the rim when refining; 0: none"})
@@ -112,10 +109,10 @@ class HoleFiller {
   void sort_loop(const std::vector<HalfedgeHandle>& loop, const std::vector<std::size_t>& sizes, bool part) {
     const Hole hole(view_, loop);
     const bool single = hole.around_single_triangle(), sheet = is_sheet(hole, sizes);
-    const char* reason = hole.size() > options_.max_edges               ? "loop longer than max-edges"
-                         : hole.wider_than(options_.max_diameter)       ? "loop wider than max-diameter"
-                         : single                                       ? "rim of a single triangle"
-                         : sheet                                        ? "rim of a sheet"
+    const char* reason = hole.size() > options_.max_edges         ? "loop longer than max-edges"
+                         : hole.wider_than(options_.max_diameter) ? "loop wider than max-diameter"
+                         : single                                 ? "rim of a single triangle"
+                         : sheet                                  ? "rim of a sheet"
                          : options_.reference && options_.reference->keeps_open(hole.vertices())
                              ? "kept open by the reference"
                              : nullptr;
@@ -153,7 +150,9 @@ class HoleFiller {
   }
 
   void fill(std::size_t i, FillingObstacles& obstacles) {
-    const auto fill_one = [&](const Hole& hole) { return hole.fill(options_.strategy, options_.max_dynamic_edges, obstacles, context_); };
+    const auto fill_one = [&](const Hole& hole) {
+      return hole.fill(options_.strategy, options_.max_dynamic_edges, obstacles, context_);
+    };
     HoleFilling filling = fill_one(holes_[i]);
     std::vector<FaceHandle> added;
     FitResult fit = filling.triangles.empty() ? FitResult::edge_in_use : add_faces(view_, filling.triangles, &added);
@@ -184,8 +183,8 @@ class HoleFiller {
   /// @param crossings  of the filling; updated
   void refine_and_fair(std::vector<FaceHandle>& faces, const FillingObstacles& obstacles, std::size_t& crossings) {
     if (!options_.refine && options_.fair == Fairness::none) return;
-    std::vector<VertexHandle> inner =
-        refine_faces(view_, faces, options_.growth, [&](const VertexTriple& t) { return obstacles.crossings(t); }, context_);
+    std::vector<VertexHandle> inner = refine_faces(
+        view_, faces, options_.growth, [&](const VertexTriple& t) { return obstacles.crossings(t); }, context_);
     report_.vertices_added += inner.size();
     for (const VertexHandle v : inner) report_.touched_vertices.push_back(static_cast<std::uint32_t>(v.idx()));
     crossings = crossing_faces(faces, obstacles).count;
@@ -275,19 +274,20 @@ class HoleFiller {
     if (report_.notes.size() >= most_notes) return;
     Vec3 middle(0, 0, 0);
     for (const Vec3& p : hole.points()) middle += p / static_cast<double>(hole.size());
-    report_.notes.push_back(fmt::format("the filling of {} edges around ({:.6g}, {:.6g}, {:.6g}) crosses the mesh or itself: {} pairs of triangles",
-                                        hole.size(), middle[0], middle[1], middle[2], crossings));
+    report_.notes.push_back(fmt::format(
+        "the filling of {} edges around ({:.6g}, {:.6g}, {:.6g}) crosses the mesh or itself: {} pairs of triangles",
+        hole.size(), middle[0], middle[1], middle[2], crossings));
   }
 
   MeshView view_;
   const FillHolesOptions& options_;
   Context& context_;
   Report& report_;
-  std::vector<Hole> holes_;          ///< with their islands
+  std::vector<Hole> holes_;                         ///< with their islands
   std::vector<std::vector<HalfedgeHandle>> loops_;  ///< of the holes, without islands
-  std::vector<char> is_part_;        ///< of a loop that meets itself
+  std::vector<char> is_part_;                       ///< of a loop that meets itself
   std::vector<std::vector<HalfedgeHandle>> islands_;
-  std::vector<const char*> island_reasons_;  ///< why it stays open if it is in no hole
+  std::vector<const char*> island_reasons_;           ///< why it stays open if it is in no hole
   std::vector<std::vector<std::size_t>> islands_of_;  ///< by hole
 };
 

@@ -39,29 +39,30 @@ struct FillHolesOptions {
 ///
 /// Adds faces and edges; existing handles and positions keep. No vertex is added unless `refine` or `fair` ask for it,
 /// which they do not by default: in a mesh of measured points every vertex is a point that was measured. New elements
-/// take their properties from the rim (see meshops/mesh_edit.hpp). No chord is used that is an edge of the mesh already,
-/// so no edge gets more than two faces and no triangle appears twice; if a hole cannot be triangulated the mesh is not
-/// modified there. The time is O(n log n) in the edges of a loop.
+/// take their properties from the rim (see meshops/mesh_edit.hpp). No chord is used that is an edge of the mesh
+/// already, so no edge gets more than two faces and no triangle appears twice; if a hole cannot be triangulated the
+/// mesh is not modified there. The time is O(n log n) in the edges of a loop.
 ///
 /// Islands: the rim of a sheet that lies in a hole becomes an inner contour of the filling, and keeps every vertex.
 /// `find_hole_islands` states the rule. A loop that meets itself in vertices is one outline if some of its simple parts
 /// are rims of sheets (an island that touches the rim) and others are not; else each simple part is a loop of its own.
 ///
-/// A filling goes round the rest of the mesh and earlier fillings, and does not cross itself, where that can be had: where
-/// triangles cross, pieces around them are triangulated anew, then the other strategies are tried (`Hole::fill`). Flips
-/// when refining make no new crossings with the mesh; where the faired filling would, it keeps the place it had before.
+/// A filling goes round the rest of the mesh and earlier fillings, and does not cross itself, where that can be had:
+/// where triangles cross, pieces around them are triangulated anew, then the other strategies are tried (`Hole::fill`).
+/// Flips when refining make no new crossings with the mesh; where the faired filling would, it keeps the place it had
+/// before.
 ///
 /// Loops left open are counted in `skipped` by reason: "loop longer than max-edges", "loop wider than max-diameter",
 /// "loop meets itself in a vertex" (a part of one that does not fit), "rim of a single triangle", "kept open by the
-/// reference", "no triangulation without an existing edge", "rim of a sheet". The last is the outer rim of a sheet or an
-/// island that is in no hole: the new faces would lie on the back of those at the rim (the mean cosine between the
+/// reference", "no triangulation without an existing edge", "rim of a sheet". The last is the outer rim of a sheet or
+/// an island that is in no hole: the new faces would lie on the back of those at the rim (the mean cosine between the
 /// loop's own normal and the normals of the faces along it is below -0.5). Every other loop counts as a hole, both ends
 /// of an open tube too: bound them by `max_edges` or `max_diameter`. "island without a way to its hole": it stays as it
 /// is, and the hole is filled without it. Figures: "holes filled", "islands joined", "loops cut apart where they meet
 /// themselves", "holes optimised in pieces" (those above `max_dynamic_edges`), "fillings that cross the mesh" (or
-/// themselves; up to ten notes say where), "fillings not faired" (fairing failed with cotangent and uniform weights, see
-/// `FairingOutcome`; they stay refined), "fillings faired in part, since they would cross the mesh", "fillings not faired,
-/// since they would cross the mesh".
+/// themselves; up to ten notes say where), "fillings not faired" (fairing failed with cotangent and uniform weights,
+/// see `FairingOutcome`; they stay refined), "fillings faired in part, since they would cross the mesh", "fillings not
+/// faired, since they would cross the mesh".
 ///
 /// On cancel: the holes finished so far stay filled, one may be filled and not yet refined or faired, and the mesh is
 /// valid. Cancel is heeded within some 50 ms, but for the decomposition when fairing (0.2 s for a filling of 20,000
