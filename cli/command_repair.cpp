@@ -3,6 +3,8 @@
 
 #include "cli/commands.hpp"
 #include "cli/report_text.hpp"
+#include "io/copy_file.hpp"
+#include "io/input_file.hpp"
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
 #include "meshops/repair.hpp"
@@ -21,13 +23,46 @@ RepairGoal goal_of(const std::string& name) {
   return name == "surface" ? RepairGoal::surface : RepairGoal::automatic;
 }
 
+std::string place_text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
+
+/// The first few; JSON has more.
+std::string places_text(const std::vector<RepairPlace>& places) {
+  constexpr std::size_t shown = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(shown, places.size()); ++i)
+    text += fmt::format("{}{} {} {}", i == 0 ? "  at " : ", ", places[i].is_triangle ? "triangle" : "vertex", places[i].index,
+                        place_text(places[i].at));
+  return text.empty() ? text : text + (places.size() > shown ? " …\n" : "\n");
+}
+
+/// Whether the output has the format and encoding of the input, so that its bytes can stay as they are.
+bool would_be_written_alike(const MeshFileInfo& file, const Arguments& a) {
+  if (a.input == "-") return false;
+  const std::string extension = file_extension(a.output);
+  const bool text = file.encoding == MeshEncoding::ascii;
+  switch (file.format) {
+    case MeshFormat::stl:
+      return extension == "stl" && text == a.ascii;
+    case MeshFormat::ply:
+      return extension == "ply" && text == a.ascii;
+    case MeshFormat::obj:
+      return extension == "obj";
+    case MeshFormat::off:
+      return extension == "off" && text;
+    default:
+      return false;
+  }
+}
+
 int run(const Arguments& a, Program& program) {
   Context& context = program.context;
   if (!a.output.empty() && !a.dry_run) check_output(a.output);
   if (!a.report.empty()) check_output(a.report);
-  Soup soup = read_mesh(a.input, context);
+  MeshFileInfo file;
+  Soup soup = read_mesh(a.input, context, &file);
   const std::size_t vertices = soup.points.size(), triangles = soup.triangles.size();
-  const RepairResult result = repair(soup, {goal_of(a.goal), a.max_deviation}, context);
+  const RepairResult result =
+      repair(soup, {goal_of(a.goal), a.max_deviation, !a.output.empty() && file_extension(a.output) == "stl"}, context);
   nlohmann::ordered_json json{{"input", a.input},
                               {"goal", result.goal == RepairGoal::solid ? "solid" : "surface"},
                               {"changed", result.changed},
@@ -35,16 +70,30 @@ int run(const Arguments& a, Program& program) {
                               {"before", {{"vertices", vertices}, {"triangles", triangles}}},
                               {"after", {{"vertices", soup.points.size()}, {"triangles", soup.triangles.size()}}},
                               {"steps", nlohmann::ordered_json::array()}};
-  for (const Report& step : result.steps) json["steps"].push_back(to_json(step));
+  for (std::size_t i = 0; i < result.steps.size(); ++i) {
+    json["steps"].push_back(to_json(result.steps[i]));
+    for (const RepairPlace& p : result.places[i])
+      json["steps"].back()["places"].push_back({{p.is_triangle ? "triangle" : "vertex", p.index}, {"at", {p.at[0], p.at[1], p.at[2]}}});
+  }
+  if (result.deviation) {
+    const RepairDeviation& d = *result.deviation;
+    json["deviation"] = {{"lost", d.lost}, {"lost_at", {d.lost_at[0], d.lost_at[1], d.lost_at[2]}},
+                         {"added", d.added}, {"added_at", {d.added_at[0], d.added_at[1], d.added_at[2]}}};
+  }
   std::string text = fmt::format("goal: a {}\n", result.goal == RepairGoal::solid ? "solid" : "surface");
-  for (const Report& step : result.steps) text += to_text(step);
+  for (std::size_t i = 0; i < result.steps.size(); ++i) text += to_text(result.steps[i]) + places_text(result.places[i]);
+  if (result.deviation)
+    text += fmt::format("farthest from the result: {:.3g} of what was there, at {}; farthest from what was there: {:.3g}, at {}\n",
+                        result.deviation->lost, place_text(result.deviation->lost_at), result.deviation->added,
+                        place_text(result.deviation->added_at));
   if (!result.changed) text += "nothing had to be repaired\n";
   if (!a.dry_run) {
-    const MeshWriteReport written = write_mesh(a.output, soup, {.ascii = a.ascii}, context);
-    for (const std::string& note : written.notes)
-      if (!program.quiet) print_note(a.output + ": " + note);
     json["output"] = a.output;
-    json["notes"] = written.notes;
+    if (!result.changed && would_be_written_alike(file, a)) {
+      copy_file(a.input, a.output);
+    } else {
+      json["notes"] = write_mesh(a.output, soup, {.ascii = a.ascii}, context).notes;
+    }
     text += fmt::format("{}: {} vertices, {} triangles\n", a.output, with_commas(soup.points.size()),
                         with_commas(soup.triangles.size()));
   }

@@ -75,8 +75,6 @@ std::string write_output(const Arguments& a, Geometry& geometry, nlohmann::order
     written = write_mesh(a.output, soup, {.ascii = a.ascii}, program.context);
   }
   json["notes"] = written.notes;
-  for (const std::string& note : written.notes)
-    if (!program.quiet) print_note(a.output + ": " + note);
   return text;
 }
 

@@ -88,8 +88,10 @@ void turn_outward(std::span<const Vec3> points, std::vector<std::uint32_t>& comp
     turn[i] = !cavity;
     surface.inside_out += !cavity;
   }
-  for (std::size_t t = 0; t < component.size(); ++t)
+  for (std::size_t t = 0; t < component.size(); ++t) {
     if (turn[component[t]]) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+    surface.cavity.push_back(static_cast<char>(volume[component[t]] < 0 && !turn[component[t]]));
+  }
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace tri {
 struct ClosedSurface {
   std::vector<Triangle> triangles;  ///< the given ones in their order, some reversed; then those that close the holes
   std::vector<std::uint32_t> source;  ///< of each: itself, or for those that close a hole a given one at its rim
+  std::vector<char> cavity;  ///< of each: whether its component is inside out within another one
   std::size_t given = 0;            ///< how many of them are the given ones
   std::size_t holes = 0;            ///< loops that were closed
   std::size_t reversed = 0;         ///< triangles that were turned round

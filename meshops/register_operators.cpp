@@ -13,6 +13,7 @@
 #include "meshops/operators/remove_duplicates.hpp"
 #include "meshops/operators/remove_outliers.hpp"
 #include "meshops/operators/remove_redundant.hpp"
+#include "meshops/operators/remove_self_intersections.hpp"
 #include "meshops/operators/resolve_t_junctions.hpp"
 #include "meshops/operators/smooth.hpp"
 #include "meshops/operators/split_non_manifold.hpp"
@@ -50,6 +51,7 @@ void register_operators(Registry& registry) {
                {.idempotent = false});
   registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
                {.idempotent = false});
+  registry.add("remove-self-intersections", remove_self_intersections, "Cuts triangles along each other where they cross");
   registry.add("resolve-t-junctions", resolve_t_junctions, "Splits boundary edges where other boundary vertices lie on them");
   registry.add("smooth", smooth, "Takes noise off by moving vertices; keeps creases, corners and boundary",
                {.leaves_good_mesh = false, .idempotent = false});

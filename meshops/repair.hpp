@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "meshops/context.hpp"
@@ -20,19 +21,42 @@ struct RepairOptions {
   RepairGoal goal = RepairGoal::automatic;
   /// How far the surface may move, as a share of the diagonal of the bounding box; in [0, 0.1].
   double max_deviation = 5e-4;
+  /// The result is for a file of floats without indices (STL): see `MakeSolidOptions::single_precision`.
+  bool single_precision = false;
+};
+
+/// Where a step changed something: an element of the mesh as the step left it, and its (middle's) position.
+struct RepairPlace {
+  bool is_triangle = true;  ///< else a vertex
+  std::uint32_t index = 0;
+  Vec3 at{0, 0, 0};
+};
+
+/// How far the result is from the input, model units: the greatest distances found, of which some may be missed by as much as
+/// `MeshDistance` says.
+struct RepairDeviation {
+  double lost = 0;              ///< from a place of the input to the result: what went, or moved
+  Vec3 lost_at{0, 0, 0};        ///< on the input
+  double added = 0;             ///< from a place of the result to the input: what moved, and what closes holes
+  Vec3 added_at{0, 0, 0};       ///< on the result
 };
 
 /// What `repair` did.
 struct RepairResult {
+  static constexpr std::size_t most_places = 1000;  ///< of each step
+
   RepairGoal goal = RepairGoal::solid;  ///< as decided
   std::vector<Report> steps;            ///< every step, also those that had nothing to do
+  std::vector<std::vector<RepairPlace>> places;  ///< of each step, the first of them
+  std::optional<RepairDeviation> deviation;      ///< if something changed
   bool changed = false;                 ///< else the soup is bit for bit what it was
-  std::uint64_t left = 0;               ///< what could not be repaired; `skipped` of the steps says what
+  std::uint64_t left = 0;               ///< what could not be repaired; `skipped` of the steps says what, or `deviation` is too great
 };
 
 /// Runs the operators that make a clean mesh of any triangles, in this order: `weld`, `remove_duplicates`,
-/// `resolve_t_junctions`, `stitch_boundaries`; then for a solid `make_solid`, for a surface `remove_degenerate`, `orient` and
-/// `split_non_manifold`. No component is removed.
+/// `resolve_t_junctions`, `stitch_boundaries`; then for a solid `make_solid`, for a surface `remove_degenerate`,
+/// `remove_self_intersections`, `orient` and `split_non_manifold`. No component is removed. What is a solid already (see
+/// `is_clean_solid`) is returned as it is, whatever coincident or unused vertices it has, unless the goal is a surface.
 ///
 /// The automatic goal is a solid if the loops of the boundary, each squared and divided by the area, come to less than 4
 /// together (a hemisphere has 6.3, a flat square 16), or there are none.

@@ -49,6 +49,20 @@ SurfaceContacts surface_contacts(std::span<const Vec3> points, std::span<const T
   return contacts;
 }
 
+std::vector<std::uint32_t> touching_vertices(const Soup& soup) {
+  std::vector<char> used(soup.points.size(), 0), taken(soup.points.size(), 0);
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t v : t) used[v] = 1;
+  const std::vector<std::uint32_t> same = points_at_same_place(soup.points);
+  std::vector<std::uint32_t> touching;
+  for (std::uint32_t v = 0; v < used.size(); ++v) {
+    if (!used[v]) continue;
+    if (taken[same[v]]) touching.push_back(v);
+    taken[same[v]] = 1;
+  }
+  return touching;
+}
+
 bool is_clean_solid(const Soup& soup, bool apart, Context& context) {
   if (soup.triangles.empty() || std::ranges::any_of(soup.triangles, repeats_vertex)) return false;
   if (!is_closed_manifold(soup.triangles, soup.points.size(), context)) return false;

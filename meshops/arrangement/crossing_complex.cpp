@@ -20,6 +20,7 @@ constexpr std::size_t max_rounds = 20;
 constexpr std::size_t exact_rounds = 1;  ///< before what is near is taken to touch
 constexpr std::size_t reach_doublings = 7;
 constexpr int tidy_passes = 4;
+constexpr std::size_t pairs_to_grow = 500;  ///< more than twice as many as at first, and these: the cuts make it worse
 
 EdgeKey key_of(std::uint32_t a, std::uint32_t b) {
   return static_cast<EdgeKey>(std::min(a, b)) << 32 | std::max(a, b);
@@ -42,7 +43,7 @@ class Resolver {
       find();
       if (round == 0) report.pairs = pairs_;
       report.left = pairs_;
-      if (pairs_ == 0 || c_.faces.size() > most_faces) break;
+      if (pairs_ == 0 || c_.faces.size() > most_faces || pairs_ > 2 * report.pairs + pairs_to_grow) break;
       if (reach_ > 0) {
         tidy();
         find();

@@ -27,7 +27,7 @@ struct CrossingReport {
   std::size_t rounds = 0;             ///< in which something was cut
   std::size_t pairs = 0;              ///< that met in the first round
   std::size_t cut = 0;                ///< faces cut in all rounds
-  std::size_t left = 0;               ///< pairs that meet at the end: 0 unless the rounds ran out
+  std::size_t left = 0;               ///< pairs that meet at the end: 0 unless the rounds ran out or made it worse
   double reach = 0;                   ///< grid steps within which things were taken to touch in the last round
 };
 

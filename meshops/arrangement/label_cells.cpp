@@ -25,7 +25,7 @@ class Sets {
 
 }  // namespace
 
-CellLabels label_cells(const CrossingComplex& complex, Context& context) {
+CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cavity, Context& context) {
   const std::size_t n = complex.faces.size();
   const EdgeRings rings = edge_rings(complex);
   context.checkpoint();
@@ -44,6 +44,7 @@ CellLabels label_cells(const CrossingComplex& complex, Context& context) {
   labels.inside.resize(n);
   // Six times the volume that a cell's rim encloses: above 0 for a bounded cell, the opposite sum for the outer one.
   std::vector<double> volume(2 * n, 0), whole(n, 0);
+  std::vector<char> may_be_cavity(n, 0);
   for (std::uint32_t f = 0; f < n; ++f) {
     const std::uint32_t part = labels.part[f] = parts.find(f);
     const Triangle &v = complex.faces[f].v, &o = complex.faces[part].v;
@@ -52,6 +53,7 @@ CellLabels label_cells(const CrossingComplex& complex, Context& context) {
     volume[shells.find(2 * f)] -= v6;
     volume[shells.find(2 * f + 1)] += v6;
     whole[part] += v6 * complex.faces[f].net;
+    may_be_cavity[part] |= cavity[complex.faces[f].source];
   }
   std::vector<std::uint32_t> outer(n, 0xffffffffu);
   for (std::uint32_t s = 0; s < 2 * n; ++s) {
@@ -87,9 +89,9 @@ CellLabels label_cells(const CrossingComplex& complex, Context& context) {
     }
   }
   for (std::uint32_t f = 0; f < n; ++f) {
-    const bool cavity = whole[labels.part[f]] < 0;
+    const bool hollow = may_be_cavity[labels.part[f]] && whole[labels.part[f]] < 0;
     for (std::uint32_t k = 0; k < 2; ++k)
-      labels.inside[f][k] = static_cast<char>((winding[shells.find(2 * f + k)] != 0) != cavity);
+      labels.inside[f][k] = static_cast<char>((winding[shells.find(2 * f + k)] != 0) != hollow);
   }
   return labels;
 }

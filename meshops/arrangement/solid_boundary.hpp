@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "meshops/arrangement/crossing_complex.hpp"
@@ -44,7 +45,8 @@ struct CellLabels {
 };
 
 /// @param complex without crossings
-CellLabels label_cells(const CrossingComplex& complex, Context& context);
+/// @param cavity  by `source` of the faces: whether they bound the inside of a cavity
+CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cavity, Context& context);
 
 /// Closed, manifold and oriented with the inside behind each triangle: around every edge the sheets are joined in pairs that
 /// do not cross, and vertices are copied for each fan.

@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include "meshops/closest_on_triangle.hpp"
 #include "meshops/closest_triangle.hpp"
 #include "meshops/disjoint_sets.hpp"
+#include "meshops/random_stream.hpp"
 #include "meshops/soup_edit.hpp"
+#include "meshops/triangle_pieces.hpp"
 
 namespace tri {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr double first_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
+constexpr double nudge_in_reaches = 8, nudge_share = 0.05;  ///< the smaller one, the second of the deviation that is allowed
 constexpr double plate_share = 0.02;  ///< half the thickness of plates and gaps, of the deviation that is allowed
 
 std::vector<Vec3> used_points(const Soup& soup) {
@@ -34,21 +38,6 @@ double diagonal(const std::vector<GridPoint>& points) {
     for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
   return std::hypot(static_cast<double>(high[0] - low[0]), static_cast<double>(high[1] - low[1]),
                     static_cast<double>(high[2] - low[2]));
-}
-
-/// Appends a point of a triangle's plane; the corners' attributes are interpolated.
-std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
-  const Vec3 &a = soup.points[t[0]], &b = soup.points[t[1]], &c = soup.points[t[2]];
-  const Vec3 n = (b - a) % (c - a);
-  const double size = n.sqrnorm();
-  Vec3 w(1, 0, 0);
-  if (size > 0) w = Vec3(((b - p) % (c - p)) | n, ((c - p) % (a - p)) | n, ((a - p) % (b - p)) | n) / size;
-  for (int k = 0; k < 3; ++k) w[k] = std::clamp(w[k], 0.0, 1.0);
-  w /= w[0] + w[1] + w[2];
-  const std::uint32_t between = add_point_between(soup, t[0], t[1], w[0] + w[1] > 0 ? w[1] / (w[0] + w[1]) : 0);
-  move_point_between(soup, between, t[2], w[2]);
-  soup.points[between] = p;
-  return between;
 }
 
 /// Whether a triangle is nowhere farther than `reach` from others: its pieces are within it of one triangle each, as distance
@@ -73,6 +62,20 @@ bool lies_within(const std::array<Vec3, 3>& triangle, const ClosestTriangle& nea
     pieces.insert(pieces.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
   }
   return true;
+}
+
+/// Moves all points of each part, or each point, in a direction of its own, by up to `farthest` grid steps.
+void nudge(CrossingComplex& complex, double farthest, bool each) {
+  DisjointSets parts(complex.points.size());
+  if (!each)
+    for (const CrossingComplex::Face& f : complex.faces) parts.join(f.v[0], f.v[1]), parts.join(f.v[1], f.v[2]);
+  std::set<GridPoint> taken(complex.points.begin(), complex.points.end());
+  for (std::size_t i = 0; i < complex.points.size(); ++i) {
+    RandomStream random(parts.find(i) + 1);
+    GridPoint p = complex.points[i];
+    for (std::int64_t& x : p) x += static_cast<std::int64_t>((2 * random.uniform() - 1) * farthest);
+    if (taken.insert(p).second) complex.points[i] = p;
+  }
 }
 
 }  // namespace
@@ -131,9 +134,9 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
   done(0.1);
   for (std::uint32_t t = 0; t < closed_.triangles.size(); ++t)
     complex_.faces.push_back({closed_.triangles[t], t, 1, t < closed_.given});
-  const CrossingReport crossings = resolve_crossings(complex_, frame_.steps_in(first_reach_share), context);
+  const CrossingReport crossings = cut_along_crossings(report, context);
   done(0.6);
-  const CellLabels labels = label_cells(complex_, context);
+  const CellLabels labels = label_cells(complex_, closed_.cavity, context);
   report.faces_reversed = closed_.reversed;
   if (closed_.holes > 0) report.figures["holes closed"] = static_cast<double>(closed_.holes);
   if (closed_.inside_out > 0) report.figures["components turned outward"] = static_cast<double>(closed_.inside_out);
@@ -148,6 +151,26 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
   const std::vector<Vec3> result = places_of(boundary, labels, contacts, context);
   write(boundary, result, report);
   return contacts;
+}
+
+/// Faces that lie nearly upon each other can make rounding and cutting go on for ever: then parts are first moved a little
+/// against each other, and if that is not enough every point.
+CrossingReport SolidFromSoup::cut_along_crossings(Report& report, Context& context) {
+  const CrossingComplex given = complex_;
+  const double reach = frame_.steps_in(first_reach_share);
+  CrossingReport best = resolve_crossings(complex_, reach, context);
+  const double farthest = std::min(nudge_in_reaches * reach, nudge_share * max_deviation_ * diagonal(given.points));
+  for (const bool each : {false, true}) {
+    if (best.left == 0 || farthest < reach) break;
+    CrossingComplex nudged = given;
+    nudge(nudged, farthest, each);
+    const CrossingReport now = resolve_crossings(nudged, reach, context);
+    if (now.left >= best.left) continue;
+    best = now;
+    complex_ = std::move(nudged);
+    report.figures["points nudged by, at most"] = farthest * frame_.step();
+  }
+  return best;
 }
 
 /// Walls inside the solid go where they are near to what stays; sheets outside only if the whole of one is.
@@ -242,69 +265,17 @@ std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const
 }
 
 void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report) {
-  const std::size_t old_points = soup_.points.size(), old_triangles = soup_.triangles.size();
-  std::vector<std::uint32_t> name(boundary.points.size(), none);
-  std::vector<char> taken(old_points, 0);
-  std::vector<char> kept(old_triangles, 0);
-  std::vector<std::pair<Triangle, std::uint32_t>> added;
+  TrianglePieces pieces;
+  pieces.places = places;
+  for (const std::uint32_t point : boundary.point)
+    pieces.original.push_back(point < vertex_of_point_.size() ? vertex_of_point_[point] : none);
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
     const std::uint32_t piece_of = complex_.faces[boundary.face[t]].source;
-    const std::uint32_t source = triangle_of_given_[closed_.source[piece_of]];
-    Triangle named;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = boundary.triangles[t][k];
-      if (name[v] == none) {
-        const std::uint32_t point = boundary.point[v];
-        const std::uint32_t original = point < vertex_of_point_.size() ? vertex_of_point_[point] : none;
-        if (original != none && !taken[original]) {
-          name[v] = original;
-          taken[original] = 1;
-        } else if (original != none) {
-          name[v] = copy_point(soup_, original);
-        } else {
-          Triangle corners = closed_.triangles[piece_of];
-          for (std::uint32_t& c : corners) c = vertex_of_point_[c];
-          name[v] = add_point_in(soup_, corners, places[v]);
-        }
-      }
-      named[k] = name[v];
-    }
-    added.emplace_back(named, source);
+    Triangle within = closed_.triangles[piece_of];
+    for (std::uint32_t& c : within) c = vertex_of_point_[c];
+    pieces.triangles.push_back({boundary.triangles[t], within, triangle_of_given_[closed_.source[piece_of]]});
   }
-  // A triangle that is the same as before keeps its place, so that its attributes need no interpolation.
-  std::vector<std::pair<Triangle, std::uint32_t>> fresh;
-  for (const auto& [t, source] : added) {
-    const Triangle& was = soup_.triangles[source];
-    bool same = false;
-    for (std::size_t k = 0; k < 3; ++k) same |= t == Triangle{was[k], was[(k + 1) % 3], was[(k + 2) % 3]};
-    if (same && !kept[source]) kept[source] = 1;
-    else fresh.emplace_back(t, source);
-  }
-  for (std::size_t v = 0; v < name.size(); ++v) {
-    if (name[v] == none) continue;
-    if (name[v] < old_points) report.vertices_moved += soup_.points[name[v]] != places[v];
-    else ++report.vertices_added;
-  }
-  for (const auto& [t, source] : fresh) add_triangle_in(soup_, t, source);
-  for (std::size_t v = 0; v < name.size(); ++v)
-    if (name[v] != none) soup_.points[name[v]] = places[v];
-  report.faces_added = fresh.size();
-  kept.resize(soup_.triangles.size(), 1);
-  report.faces_removed = static_cast<std::uint64_t>(std::count(kept.begin(), kept.end(), 0));
-  keep_triangles(soup_, kept);
-  for (std::size_t t = soup_.triangles.size() - fresh.size(); t < soup_.triangles.size(); ++t)
-    report.touched_faces.push_back(static_cast<std::uint32_t>(t));
-  // Vertices that no triangle uses go.
-  std::vector<char> used(soup_.points.size(), 0);
-  for (const Triangle& t : soup_.triangles)
-    for (const std::uint32_t v : t) used[v] = 1;
-  std::vector<std::uint32_t> number(soup_.points.size());
-  std::uint32_t count = 0;
-  for (std::size_t v = 0; v < number.size(); ++v) {
-    number[v] = used[v] ? count++ : dropped_point;
-    if (!used[v] && v < old_points) ++report.vertices_removed;
-  }
-  renumber_points(soup_, number, count);
+  replace_by_pieces(soup_, pieces, report);
 }
 
 }  // namespace tri

@@ -28,6 +28,7 @@ class SolidFromSoup {
 
  private:
   void take_triangles(Report& report);
+  CrossingReport cut_along_crossings(Report& report, Context& context);
   std::vector<char> walls_to_keep(const CellLabels& labels, Context& context) const;
   PlacedBoundary boundary_without_contacts(const CellLabels& labels, Report& report, Context& context);
   void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report);
