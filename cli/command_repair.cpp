@@ -35,6 +35,11 @@ std::string places_text(const std::vector<RepairPlace>& places) {
   return text.empty() ? text : text + (places.size() > shown ? " …\n" : "\n");
 }
 
+bool holds_floats(const std::string& output) {
+  const std::string extension = file_extension(output);
+  return extension == "stl" || extension == "glb" || extension == "gltf";
+}
+
 /// Whether the output has the format and encoding of the input, so that its bytes can stay as they are.
 bool would_be_written_alike(const MeshFileInfo& file, const Arguments& a) {
   if (a.input == "-") return false;
@@ -61,8 +66,7 @@ int run(const Arguments& a, Program& program) {
   MeshFileInfo file;
   Soup soup = read_mesh(a.input, context, &file);
   const std::size_t vertices = soup.points.size(), triangles = soup.triangles.size();
-  const RepairResult result =
-      repair(soup, {goal_of(a.goal), a.max_deviation, !a.output.empty() && file_extension(a.output) == "stl"}, context);
+  const RepairResult result = repair(soup, {goal_of(a.goal), a.max_deviation, holds_floats(a.output)}, context);
   nlohmann::ordered_json json{{"input", a.input},
                               {"goal", result.goal == RepairGoal::solid ? "solid" : "surface"},
                               {"changed", result.changed},

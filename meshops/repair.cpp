@@ -34,9 +34,7 @@ double diagonal(const Soup& soup) {
 }
 
 bool rounds_to_floats(const Soup& soup) {
-  return std::ranges::any_of(soup.points, [](const Vec3& p) {
-    return p != Vec3(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
-  });
+  return std::ranges::any_of(soup.points, [](const Vec3& p) { return p != to_floats(p); });
 }
 
 /// The squared lengths of the connected boundaries, over the area.

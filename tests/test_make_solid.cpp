@@ -298,6 +298,164 @@ TEST_CASE("make-solid: the result does not depend on the number of threads") {
   CHECK(one.triangles == two.triangles);
 }
 
+namespace {
+
+/// Every coordinate a float, and closed and manifold when vertices in one place are one, as in STL.
+bool holds_as_floats(const Soup& soup) {
+  std::map<std::array<double, 3>, std::uint32_t> place;
+  Soup welded = soup;
+  for (Triangle& t : welded.triangles)
+    for (std::uint32_t& v : t) {
+      const Vec3& p = soup.points[v];
+      for (int k = 0; k < 3; ++k)
+        if (static_cast<double>(static_cast<float>(p[k])) != p[k]) return false;
+      v = place.emplace(std::array{p[0], p[1], p[2]}, v).first->second;
+    }
+  return closed_manifold(welded);
+}
+
+/// An open prism with its rims in the planes z = 0 and z = 1.
+Soup tube(int corners, const Vec3& center) {
+  Soup soup;
+  for (int i = 0; i < corners; ++i) {
+    const double a = 2 * std::acos(-1.0) * i / corners;
+    for (const double z : {0.0, 1.0}) soup.points.push_back(center + Vec3(std::cos(a), std::sin(a), z));
+  }
+  const auto n = static_cast<std::uint32_t>(2 * corners);
+  for (std::uint32_t i = 0; i < n; i += 2) {
+    soup.triangles.push_back({i, (i + 2) % n, (i + 3) % n});
+    soup.triangles.push_back({i, (i + 3) % n, i + 1});
+  }
+  return soup;
+}
+
+}  // namespace
+
+TEST_CASE("make-solid: for single precision the result is a solid by place, every coordinate a float, and nothing is lost") {
+  Context context;
+  // Each of these has sheets, walls, or solids that touch; the coordinates are no floats.
+  std::vector<std::pair<std::string, Soup>> cases;
+  Soup soup = box(Vec3(0, 0, 0), Vec3(2, 2, 2));
+  append(soup, box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
+  cases.emplace_back("boxes through each other", soup);
+  soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1));
+  append(soup, box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
+  cases.emplace_back("boxes that touch in an edge", soup);
+  soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
+  append(soup, box(Vec3(1, 1, 1), Vec3(2, 2, 2), 2));
+  cases.emplace_back("boxes that touch in a corner", soup);
+  soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
+  append(soup, box(Vec3(1, 0, 0), Vec3(2, 1, 1), 2));
+  cases.emplace_back("boxes that touch in a face", soup);
+  soup = Soup{};
+  soup.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0), Vec3(0.5, 0.5, 0.7)};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 2, 4}};
+  cases.emplace_back("a sheet with a fin", soup);
+  for (auto& [name, shape] : cases) {
+    CAPTURE(name);
+    Soup result = turned(shape, 0.7, Vec3(1, 2, 3));
+    const Soup before = result;
+    const Report report = make_solid(result, {.single_precision = true}, context);
+    CHECK(report.skipped.empty());
+    CHECK(holds_as_floats(result));
+    CHECK(contacts(result) == 0);
+    CHECK(share_kept(before, result) == 1);
+    const Soup once = result;
+    CHECK(make_solid(result, {.single_precision = true}, context).unchanged());
+    CHECK(result.points == once.points);
+    CHECK(result.triangles == once.triangles);
+  }
+}
+
+TEST_CASE("make-solid: lids that lie nearly in one plane and overlap come to an end") {
+  Soup soup = tube(48, Vec3(0, 0, 0));
+  append(soup, tube(37, Vec3(0.4, 0.3, 0)));
+  soup = turned(soup, 0.9, Vec3(1, -2, 0.5));
+  const Soup before = soup;
+  Context context;
+  const Report report = make_solid(soup, {}, context);
+  CHECK(report.figures.at("holes closed") == 4);
+  CHECK(report.skipped.empty());
+  CHECK(closed_manifold(soup));
+  CHECK(contacts(soup) == 0);
+  CHECK(share_kept(before, soup) == 1);
+}
+
+TEST_CASE("repair: a solid is returned as it is, with vertices that coincide and vertices that nothing uses") {
+  Soup soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
+  append(soup, box(Vec3(1, 1, 1), Vec3(2, 2, 2), 2));  // touch in a corner
+  soup.points.push_back(Vec3(5, 5, 5));
+  const Soup before = soup;
+  Context context;
+  for (const RepairGoal goal : {RepairGoal::solid, RepairGoal::automatic}) {
+    const RepairResult result = repair(soup, {.goal = goal}, context);
+    CHECK_FALSE(result.changed);
+    CHECK(result.goal == RepairGoal::solid);
+    CHECK(result.left == 0);
+    CHECK(soup.points == before.points);
+    CHECK(soup.triangles == before.triangles);
+  }
+}
+
+TEST_CASE("repair: a sheet drawn from both sides is kept") {
+  Soup soup;
+  soup.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 2, 1}, {0, 3, 2}};
+  const Soup before = soup;
+  Context context;
+  const RepairResult result = repair(soup, {.goal = RepairGoal::solid}, context);
+  CHECK(result.left == 0);
+  CHECK(closed_manifold(soup));
+  CHECK(share_kept(before, soup) == 1);
+}
+
+TEST_CASE("repair: what cannot become a solid is left, counted and named") {
+  Soup soup;
+  soup.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)};
+  soup.triangles = {{0, 1, 2}};
+  const Soup before = soup;
+  Context context;
+  const RepairResult result = repair(soup, {.goal = RepairGoal::solid}, context);
+  CHECK(result.left == 1);
+  CHECK(result.steps.back().skipped.at("triangles without area") == 1);
+  CHECK(result.steps.back().notes.size() == 1);
+  CHECK(soup.triangles == before.triangles);
+}
+
+TEST_CASE("repair: the deviation is that of what was closed, and every place lies on what a step made") {
+  Soup soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 4);
+  soup.triangles.resize(soup.triangles.size() - 32);  // the last side goes
+  Context context;
+  const RepairResult result = repair(soup, {.goal = RepairGoal::solid}, context);
+  REQUIRE(result.deviation.has_value());
+  CHECK(result.deviation->lost == doctest::Approx(0));
+  CHECK(result.deviation->added == doctest::Approx(0.5).epsilon(0.1));  // the middle of the side is half a side from its rim
+  REQUIRE(result.places.size() == result.steps.size());
+  REQUIRE(result.places.back().size() == 14);  // its rim has 16 vertices
+  for (const RepairPlace& p : result.places.back()) {
+    CHECK(p.is_triangle);
+    const Triangle& t = soup.triangles.at(p.index);
+    CHECK(((soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3.0 - p.at).norm() == doctest::Approx(0));
+  }
+}
+
+TEST_CASE("repair: sheets that cross are cut apart and stay open for the goal surface") {
+  Soup soup;
+  soup.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0),
+                 Vec3(0.3, 0.2, -1), Vec3(0.3, 0.8, -1), Vec3(0.3, 0.8, 1), Vec3(0.3, 0.2, 1)};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+  const Soup before = soup;
+  Context context;
+  const RepairResult result = repair(soup, {.goal = RepairGoal::surface}, context);
+  CHECK(result.left == 0);
+  CHECK(contacts(soup) == 0);
+  CHECK(share_kept(before, soup) == 1);
+  double area = 0;
+  for (const Triangle& t : soup.triangles)
+    area += ((soup.points[t[1]] - soup.points[t[0]]) % (soup.points[t[2]] - soup.points[t[0]])).norm() / 2;
+  CHECK(area == doctest::Approx(1 + 1.2));
+}
+
 TEST_CASE("repair: an open sheet stays open unless a solid is asked for") {
   Soup soup;
   soup.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};

@@ -147,6 +147,10 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
   }
   const PlacedBoundary boundary = boundary_without_contacts(labels, report, context);
   done(0.9);
+  if (boundary.triangles.empty()) {
+    report = Report{.operation = report.operation};  // nothing encloses anything: it stays
+    return surface_contacts(soup_.points, soup_.triangles, context);
+  }
   SurfaceContacts contacts;
   const std::vector<Vec3> result = places_of(boundary, labels, contacts, context);
   write(boundary, result, report);

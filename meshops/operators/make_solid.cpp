@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "meshops/arrangement/solid_from_soup.hpp"
@@ -32,7 +33,7 @@ void name_places(Report& report, const char* what, const char* how, const std::v
 /// To the nearest numbers of single precision.
 void round_points(Soup& soup, Report& report) {
   for (Vec3& p : soup.points) {
-    const Vec3 rounded(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
+    const Vec3 rounded = to_floats(p);
     report.vertices_moved += rounded != p;
     p = rounded;
   }
@@ -56,6 +57,43 @@ void tell_what_is_left(const Soup& soup, const SurfaceContacts& left, bool touch
   name_places(report, "vertex", "still touches another at", touching, [&](std::uint32_t v) { return soup.points[v]; });
 }
 
+struct Attempt {
+  Soup soup;
+  Report report;
+  SurfaceContacts left;
+  std::size_t touching = 0;
+
+  bool better_than(const Attempt& other) const {
+    const auto defects = [](const Attempt& a) { return std::array{a.left.crossing.size() + a.left.flat.size(), a.touching}; };
+    return defects(*this) < defects(other);
+  }
+};
+
+/// @param finest of the grid, see `GridFrame`
+/// @param floats whether the result is rounded to single precision
+Attempt attempt(const Soup& soup, const MakeSolidOptions& options, int finest, bool floats, bool tell_progress,
+                Context& context) {
+  Attempt a{soup, {.operation = "make-solid"}, {}, 0};
+  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest).run(a.report, tell_progress, context);
+  // What the rounding of new vertices made cross is cut again.
+  for (int pass = 1; pass < passes && !a.left.none(); ++pass) {
+    Report again;
+    a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest).run(again, false, context);
+    if (again.unchanged()) break;
+    a.report.figures["passes"] = pass + 1;
+    a.report.touched_faces = again.touched_faces;
+    a.report.vertices_added += again.vertices_added;
+    a.report.vertices_removed += again.vertices_removed;
+    a.report.vertices_moved += again.vertices_moved;
+    a.report.faces_added += again.faces_added;
+    a.report.faces_removed += again.faces_removed;
+  }
+  if (floats) round_points(a.soup, a.report);
+  if (floats || !a.left.none()) a.left = surface_contacts(a.soup.points, a.soup.triangles, context);
+  a.touching = touching_vertices(a.soup).size();
+  return a;
+}
+
 }  // namespace
 
 const OptionSchema& MakeSolidOptions::schema() {
@@ -76,30 +114,22 @@ Report make_solid(Soup& soup, const MakeSolidOptions& options, Context& context)
   context.checkpoint();
   Report report;
   report.operation = "make-solid";
-  Soup work = soup;
-  if (options.single_precision) round_points(work, report);
-  if (is_clean_solid(work, options.single_precision, context)) {
-    if (!report.unchanged()) soup = std::move(work);
+  Soup as_floats = soup;
+  if (options.single_precision) round_points(as_floats, report);
+  if (is_clean_solid(as_floats, options.single_precision, context)) {
+    if (!report.unchanged()) soup = std::move(as_floats);
     context.progress("make-solid", 1);
     return report;
   }
-  const int finest = options.single_precision ? GridFrame::floats : GridFrame::doubles;
-  SurfaceContacts left = SolidFromSoup(work, options.max_deviation, options.keep_walls, finest).run(report, true, context);
-  // What the rounding of new vertices made cross is cut again.
-  for (int pass = 1; pass < passes && !left.none(); ++pass) {
-    Report again;
-    left = SolidFromSoup(work, options.max_deviation, options.keep_walls, finest).run(again, false, context);
-    report.figures["passes"] = pass + 1;
-    report.touched_faces = again.touched_faces;
-    report.vertices_added += again.vertices_added;
-    report.vertices_removed += again.vertices_removed;
-    report.vertices_moved += again.vertices_moved;
-    report.faces_added += again.faces_added;
-    report.faces_removed += again.faces_removed;
+  Attempt best = attempt(soup, options, GridFrame::doubles, options.single_precision, true, context);
+  if (options.single_precision && (best.touching > 0 || !best.left.none())) {
+    // What rounding to floats made cross is found where everything lies on their grid from the beginning.
+    Attempt coarse = attempt(as_floats, options, GridFrame::floats, true, false, context);
+    if (coarse.better_than(best)) best = std::move(coarse);
   }
-  if (!left.none()) left = surface_contacts(work.points, work.triangles, context);
-  tell_what_is_left(work, left, options.single_precision, report);
-  if (!report.unchanged()) soup = std::move(work);
+  report = std::move(best.report);
+  tell_what_is_left(best.soup, best.left, options.single_precision, report);
+  if (!report.unchanged()) soup = std::move(best.soup);
   context.progress("make-solid", 1);
   return report;
 }
