@@ -7,13 +7,13 @@ set -euo pipefail
 
 chromium=$1
 tri=$2
+leaks=$(realpath "$(dirname "$0")/leaks.supp")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
 # OpenCASCADE's readers keep what they parsed of a file, which the leak sanitizer, where the program is built with it, reports.
-printf 'leak:libTKernel\nleak:libTKXSBase\nleak:libTKSTEP\nleak:libTKIGES\n' >suppressions
-export LSAN_OPTIONS=print_suppressions=0:suppressions=$PWD/suppressions
+export LSAN_OPTIONS=print_suppressions=0:suppressions=$leaks
 
 "$tri" model bracket -o part.step >/dev/null
 "$tri" sample --cad part.step -n 2000 --noise 0.05 --no-truth -o points.xyz -q >/dev/null

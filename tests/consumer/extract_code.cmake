@@ -1,0 +1,16 @@
+# cmake -DGUIDE=guide.md -DOUTPUT=guide.cpp -P extract_code.cmake: the ```cpp blocks of a guide, one after another.
+
+file(READ "${GUIDE}" text)
+set(code "")
+string(FIND "${text}" "```cpp\n" begin)
+while(NOT begin EQUAL -1)
+  math(EXPR begin "${begin} + 7")
+  string(SUBSTRING "${text}" ${begin} -1 text)
+  string(FIND "${text}" "```\n" end)
+  string(SUBSTRING "${text}" 0 ${end} block)
+  string(APPEND code "${block}\n")
+  string(SUBSTRING "${text}" ${end} -1 text)
+  string(SUBSTRING "${text}" 4 -1 text)
+  string(FIND "${text}" "```cpp\n" begin)
+endwhile()
+file(WRITE "${OUTPUT}" "${code}")
