@@ -15,6 +15,7 @@ namespace tri {
 ///
 /// Values that can be averaged are (`PropertyType::blends`); `v:uv` and `v:cad_face` come from the source with the
 /// greatest weight, `v:point_index` becomes -1. Other properties are left alone. Not to be shared between threads.
+/// It writes without a word: who uses it announces the values (`about_to_set`).
 class AttributeSnapshot {
  public:
   explicit AttributeSnapshot(MeshView mesh);

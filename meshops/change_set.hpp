@@ -46,7 +46,7 @@ class ChangeSet {
   void redo(OpenMesh::TriConnectivity& mesh);
   void redo(MeshView mesh) { redo(mesh.mesh); }
 
-  /// True if the operators left the mesh bit for bit as it was.
+  /// True if the operators wrote nothing at all: the mesh is bit for bit as it was. (It may be as well if this is false.)
   bool empty() const { return segments_.empty(); }
   bool undone() const { return undone_; }
 

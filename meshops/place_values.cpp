@@ -45,6 +45,7 @@ void PlaceValues::carry(MeshView now, const ClosestTriangle& surface, const std:
     const VertexHandle v(static_cast<int>(i));
     if (mesh.status(v).deleted() || (before_.was_there(v) && now.point(v) == before_.points()[i])) continue;
     const std::uint32_t triangle = surface.closest(now.point(v), near[i]).triangle;
+    if (now.recorder) now.recorder->values(ElementKind::vertex, v.idx());
     values_.set_vertex(
         v, sources(triangle, now.point(v), [&](std::uint32_t t, std::size_t k) { return before_.triangles()[t][k]; }));
   }
@@ -65,6 +66,7 @@ void PlaceValues::carry(MeshView now, const ClosestTriangle& surface, const std:
       const Vec3& p = now.point(v);
       const Vec3 inside = on_line(v) ? p + 1e-3 * (centre - p) : p;
       const std::uint32_t triangle = surface.closest(inside, near[index(v)]).triangle;
+      if (now.recorder) now.recorder->corner(side);
       values_.set_corner(side,
                          sources(triangle, p, [&](std::uint32_t t, std::size_t k) { return corners_[3 * t + k]; }));
     }

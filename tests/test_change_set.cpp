@@ -145,22 +145,26 @@ void random_walk(const Mesh& source, unsigned seed) {
 
   std::vector<MeshState> states{state_of(mesh)};
   std::vector<ChangeSet> changes;
+  std::vector<std::string> done;
   Context context;
   for (int step = 0; step < 12; ++step) {
+    done.push_back("edits");
     changes.push_back(record(mesh, [&](MeshView view) {
       if (step % 2 == 0) {
         Storm(view, random).run(15);
         return;
       }
       const Operator& op = *operators[random() % operators.size()];
+      done.back() = op.name();
       op.run(view, op.schema().make().get(), context);
     }));
     CHECK_VALID_MESH(mesh);
     states.push_back(state_of(mesh));
-    CHECK(changes.back().empty() == (states.back() == states[states.size() - 2]));
+    if (changes.back().empty()) CHECK(difference(states.back(), states[states.size() - 2]) == "");
   }
   for (std::size_t i = changes.size(); i-- > 0;) {
     CAPTURE(i);
+    CAPTURE(done[i]);
     changes[i].undo(mesh);
     REQUIRE(difference(state_of(mesh), states[i]) == "");
   }
