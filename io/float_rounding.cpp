@@ -7,17 +7,9 @@
 #include <cmath>
 
 #include "meshops/error.hpp"
+#include "meshops/single_precision.hpp"
 
 namespace tri::io_detail {
-namespace {
-
-Vec3 rounded(const Vec3& p) {
-  return {static_cast<double>(static_cast<float>(p[0])), static_cast<double>(static_cast<float>(p[1])),
-          static_cast<double>(static_cast<float>(p[2]))};
-}
-
-}  // namespace
-
 void note_rounding_to_floats(const Soup& soup, const char* format, MeshWriteReport& report) {
   for (std::size_t i = 0; i < soup.points.size(); ++i) {
     const Vec3& p = soup.points[i];
@@ -25,7 +17,7 @@ void note_rounding_to_floats(const Soup& soup, const char* format, MeshWriteRepo
     for (int k = 0; k < 3; ++k) {
       if (std::abs(p[k]) > static_cast<double>(FLT_MAX))
         throw InvalidInput(fmt::format("vertex {}: {} is beyond the floats of {}", i, p[k], format));
-      rounding = std::max(rounding, std::abs(p[k] - rounded(p)[k]));
+      rounding = std::max(rounding, std::abs(p[k] - rounded_to_float(p[k])));
     }
     report.max_rounding = std::max(report.max_rounding, rounding);
     report.rounded_vertices += rounding > 0;
@@ -39,7 +31,7 @@ void note_rounding_to_floats(const Soup& soup, const char* format, MeshWriteRepo
     bool collapses = false;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 &a = soup.points[t[k]], &b = soup.points[t[(k + 1) % 3]];
-      collapses = collapses || (a != b && rounded(a) == rounded(b));
+      collapses = collapses || (a != b && rounded_to_floats(a) == rounded_to_floats(b));
     }
     collapsed += collapses;
   }

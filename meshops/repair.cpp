@@ -17,6 +17,7 @@
 #include "meshops/operators/split_non_manifold.hpp"
 #include "meshops/operators/stitch_boundaries.hpp"
 #include "meshops/operators/weld.hpp"
+#include "meshops/single_precision.hpp"
 #include "meshops/solid_check.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -34,7 +35,7 @@ double diagonal(const Soup& soup) {
 }
 
 bool rounds_to_floats(const Soup& soup) {
-  return std::ranges::any_of(soup.points, [](const Vec3& p) { return p != to_floats(p); });
+  return std::ranges::any_of(soup.points, [](const Vec3& p) { return p != rounded_to_floats(p); });
 }
 
 /// The squared lengths of the connected boundaries, over the area.

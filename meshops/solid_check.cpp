@@ -49,16 +49,6 @@ SurfaceContacts surface_contacts(std::span<const Vec3> points, std::span<const T
   return contacts;
 }
 
-Vec3 to_floats(const Vec3& p) {
-  Vec3 rounded;
-  for (int k = 0; k < 3; ++k) {
-    // Out of the compiler's sight: GCC 12 takes two conversions beside each other for none.
-    volatile float x = static_cast<float>(p[k]);
-    rounded[k] = x;
-  }
-  return rounded;
-}
-
 std::vector<std::uint32_t> touching_vertices(const Soup& soup) {
   std::vector<char> used(soup.points.size(), 0), taken(soup.points.size(), 0);
   for (const Triangle& t : soup.triangles)

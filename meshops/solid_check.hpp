@@ -21,8 +21,6 @@ struct SurfaceContacts {
 /// @throws Cancelled
 SurfaceContacts surface_contacts(std::span<const Vec3> points, std::span<const Triangle> triangles, Context& context);
 
-/// The nearest place that single precision holds.
-Vec3 to_floats(const Vec3& p);
 
 /// Vertices that triangles use and that lie in the place of a lower one that triangles use: they touch.
 std::vector<std::uint32_t> touching_vertices(const Soup& soup);

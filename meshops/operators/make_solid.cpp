@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "meshops/arrangement/solid_from_soup.hpp"
+#include "meshops/single_precision.hpp"
 #include "meshops/solid_check.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -33,7 +34,7 @@ void name_places(Report& report, const char* what, const char* how, const std::v
 /// To the nearest numbers of single precision.
 void round_points(Soup& soup, Report& report) {
   for (Vec3& p : soup.points) {
-    const Vec3 rounded = to_floats(p);
+    const Vec3 rounded = rounded_to_floats(p);
     report.vertices_moved += rounded != p;
     p = rounded;
   }
