@@ -13,7 +13,9 @@ namespace tri {
 namespace {
 
 constexpr int sizes[] = {12, 24, 48};
-constexpr int most_pieces = 400;
+/// Of triangles that are weighed in one filling, by which the time is bounded: where the rim's own faces cross each other,
+/// nothing helps, and all would be tried.
+constexpr std::size_t most_weighed = 250'000;
 
 /// Fewest crossings first.
 struct CrossingWeight {
@@ -66,16 +68,15 @@ class Untangler {
     std::vector<std::int32_t> all(ring_.size());
     std::iota(all.begin(), all.end(), 0);
     RingTriangulation surface(ring_, {}, chord_allowed, RingObjective::area, all, triangles);
-    int pieces = 0;
     for (const int size : sizes) {
       const Crossings found = find(surface.triangles());
-      if (found.count == 0 || pieces >= most_pieces) break;
+      if (found.count == 0) break;
       const std::vector<RingTriangle> before = surface.triangles();
       const OverlapTree tree = tree_of(before);
       std::vector<char> seen(before.size(), 0);
       for (const std::int32_t t : found.triangles) {
         if (seen[t]) continue;
-        if (++pieces > most_pieces) break;
+        if (weighed_ >= most_weighed) break;
         context_.checkpoint();
         surface.solve_piece(t, size, [&](auto piece, auto corners, std::vector<RingTriangle>& result) {
           for (const std::int32_t p : piece) seen[p] = 1;
@@ -87,6 +88,7 @@ class Untangler {
         crossings = now;
         triangles = surface.triangles();
       }
+      if (weighed_ >= most_weighed || (size > sizes[0] && now >= found.count)) break;
     }
   }
 
@@ -110,10 +112,11 @@ class Untangler {
   /// @param now  the filling; `tree` holds it as it was a few pieces ago, so a few crossings may be missed here
   bool solve(const ChordTest& chord_allowed, const std::vector<RingTriangle>& now, const OverlapTree& tree,
              std::span<const std::int32_t> piece, std::span<const std::int32_t> corners,
-             std::vector<RingTriangle>& result) const {
+             std::vector<RingTriangle>& result) {
     std::vector<std::int32_t> own(piece.begin(), piece.end());
     std::sort(own.begin(), own.end());
     const auto weigh = [&](const RingTriangle& t) {
+      ++weighed_;
       const auto at = places(t);
       CrossingWeight weight{0, triangle_area(at[0], at[1], at[2])};
       if (!triangle_has_area(at[0], at[1], at[2])) return weight;
@@ -146,6 +149,7 @@ class Untangler {
   std::span<const Vec3> ring_;
   const RingSurroundings& surroundings_;
   const Context& context_;
+  std::size_t weighed_ = 0;
 };
 
 }  // namespace
