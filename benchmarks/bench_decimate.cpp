@@ -16,31 +16,11 @@
 #include "meshops/operators/decimate.hpp"
 #include "meshops/self_intersections.hpp"
 #include "meshops/to_soup.hpp"
+#include "wavy_torus.hpp"
 
 namespace {
 
 using namespace tri;
-
-/// A wavy torus; the waves are sharp enough to matter and too fine to be kept everywhere.
-Soup torus(std::uint32_t n, std::uint32_t m) {
-  Soup s;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    for (std::uint32_t k = 0; k < m; ++k) {
-      const double a = 2 * std::numbers::pi * i / n, b = 2 * std::numbers::pi * k / m;
-      const double r = 10 + std::sin(20 * a) + 0.2 * std::sin(31 * b + 17 * a);
-      s.points.emplace_back((30 + r * std::cos(b)) * std::cos(a), (30 + r * std::cos(b)) * std::sin(a),
-                            r * std::sin(b));
-    }
-  }
-  const auto at = [=](std::uint32_t i, std::uint32_t k) { return i % n * m + k % m; };
-  for (std::uint32_t i = 0; i < n; ++i) {
-    for (std::uint32_t k = 0; k < m; ++k) {
-      s.triangles.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
-      s.triangles.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
-    }
-  }
-  return s;
-}
 
 /// A part: a flat block of 60 x 60 x 20 with cylindrical pockets of radius 4, all edges sharp, as a height field of n x
 /// n.
@@ -75,7 +55,7 @@ struct Input {
 };
 
 const Input& input(int which) {
-  static const Input inputs[]{Input(torus(1000, 500)), Input(block(250))};
+  static const Input inputs[]{Input(wavy_torus(1000, 500, 0.2)), Input(block(250))};
   return inputs[which];
 }
 

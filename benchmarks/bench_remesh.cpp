@@ -18,6 +18,7 @@
 #include "meshops/operators/remesh.hpp"
 #include "meshops/self_intersections.hpp"
 #include "meshops/to_soup.hpp"
+#include "wavy_torus.hpp"
 
 namespace {
 
@@ -27,27 +28,8 @@ using Peer = CGAL::Surface_mesh<Kernel::Point_3>;
 
 constexpr int rounds = 5;
 
-Soup torus(std::uint32_t n, std::uint32_t m) {
-  Soup s;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    for (std::uint32_t k = 0; k < m; ++k) {
-      const double a = 2 * std::numbers::pi * i / n, b = 2 * std::numbers::pi * k / m, r = 10 + std::sin(20 * a);
-      s.points.emplace_back((30 + r * std::cos(b)) * std::cos(a), (30 + r * std::cos(b)) * std::sin(a),
-                            r * std::sin(b));
-    }
-  }
-  const auto at = [=](std::uint32_t i, std::uint32_t k) { return i % n * m + k % m; };
-  for (std::uint32_t i = 0; i < n; ++i) {
-    for (std::uint32_t k = 0; k < m; ++k) {
-      s.triangles.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
-      s.triangles.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
-    }
-  }
-  return s;
-}
-
 const Soup& input() {
-  static const Soup soup = torus(500, 200);
+  static const Soup soup = wavy_torus(500, 200);
   return soup;
 }
 

@@ -44,7 +44,7 @@ struct FairedPoints {
 /// Desbrun et al. 1999 for the weights and the areas M, a third of the triangles around a vertex].
 ///
 /// One linear system for each call, solved by sparse Cholesky decomposition (Eigen's SimplicialLDLT with approximate
-/// minimum degree): about 0.2 s and 100 MB for 20,000 vertices. The result turns, moves and scales with the mesh. The
+/// minimum degree). The result turns, moves and scales with the mesh. The
 /// mesh is not changed. At a vertex on the mesh's boundary curvature is not known and does not count.
 /// @param moving  interior vertices (not on the boundary, not isolated), each once
 /// @throws Cancelled before and after the decomposition, which no cancel interrupts

@@ -19,7 +19,9 @@ enum class RepairGoal {
 
 struct RepairOptions {
   RepairGoal goal = RepairGoal::automatic;
-  /// How far the surface may move, as a share of the diagonal of the bounding box; in [0, 0.1].
+  /// How far from the input its surface may be afterwards, as a share of the diagonal of the bounding box; in [0, 0.1].
+  /// `make_solid` parts and drops walls within it. What of the input ends farther away is measured at the end and counts as
+  /// `left`; no step is taken back for it, and new faces that close holes are not bounded by it (`RepairDeviation::added`).
   double max_deviation = 5e-4;
   /// The result is for a file of floats without indices (STL): see `MakeSolidOptions::single_precision`.
   bool single_precision = false;

@@ -29,7 +29,7 @@ std::size_t count_crossings(std::span<const Vec3> ring, const RingSurroundings& 
 /// and a size of pieces that helps nothing is the last: where the faces at the rim cross each other, nothing would.
 /// @param crossings  what `count_crossings` says about `triangles`
 /// @return how many crossings are left; if no fewer than there were, `triangles` is unchanged
-/// @throws Cancelled between pieces (some 50 ms); then `triangles` is unchanged
+/// @throws Cancelled between pieces; then `triangles` is unchanged
 std::size_t untangle_filling(const Ring& ring, const RingSurroundings& surroundings, std::size_t crossings,
                              std::vector<RingTriangle>& triangles, const Context& context);
 

@@ -41,7 +41,8 @@ struct FillHolesOptions {
 /// which they do not by default: in a mesh of measured points every vertex is a point that was measured. New elements
 /// take their properties from the rim (see meshops/mesh_edit.hpp). No chord is used that is an edge of the mesh
 /// already, so no edge gets more than two faces and no triangle appears twice; if a hole cannot be triangulated the
-/// mesh is not modified there. The time is O(n log n) in the edges of a loop.
+/// mesh is not modified there. Finding a filling was near-linear up to 40,000 edges in measurements;
+/// the check for crossings below comes on top, and is the larger part where the triangles around a long loop are needles.
 ///
 /// Islands: the rim of a sheet that lies in a hole becomes an inner contour of the filling, and keeps every vertex.
 /// `find_hole_islands` states the rule. A loop that meets itself in vertices is one outline if some of its simple parts
@@ -65,8 +66,8 @@ struct FillHolesOptions {
 /// faired, since they would cross the mesh".
 ///
 /// On cancel: the holes finished so far stay filled, one may be filled and not yet refined or faired, and the mesh is
-/// valid. Cancel is heeded within some 50 ms, but for the decomposition when fairing (0.2 s for a filling of 20,000
-/// vertices) and with `max_dynamic_edges` above 200.
+/// valid. Cancel is heeded between pieces, but not within the decomposition when fairing, while the trees for the check
+/// of crossings are built, and within a search with `max_dynamic_edges` above 200.
 /// @throws InvalidInput if an option is out of range; the mesh is untouched.
 Report fill_holes(MeshView mesh, const FillHolesOptions& options, Context& context);
 
