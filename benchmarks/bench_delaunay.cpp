@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "libtri/delaunay.hpp"
+#include "libtri/triangulation/delaunay.hpp"
 
 namespace {
 

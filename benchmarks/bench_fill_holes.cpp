@@ -14,8 +14,8 @@
 #include <map>
 #include <numbers>
 
+#include "meshops/crossings/self_intersections.hpp"
 #include "meshops/operators/fill_holes.hpp"
-#include "meshops/self_intersections.hpp"
 
 namespace {
 

@@ -20,11 +20,11 @@
 #include <random>
 #include <string>
 
-#include "io/cad_file.hpp"
+#include "io/cad/cad_file.hpp"
 #include "libtri/example_parts.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/model/trim_region.hpp"
 #include "libtri/registration.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/trim_region.hpp"
 
 namespace {
 

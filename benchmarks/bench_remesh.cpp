@@ -14,9 +14,9 @@
 #include <numbers>
 
 #include "meshops/build_mesh.hpp"
-#include "meshops/mesh_distance.hpp"
+#include "meshops/checks/mesh_distance.hpp"
+#include "meshops/crossings/self_intersections.hpp"
 #include "meshops/operators/remesh.hpp"
-#include "meshops/self_intersections.hpp"
 #include "meshops/to_soup.hpp"
 #include "wavy_torus.hpp"
 

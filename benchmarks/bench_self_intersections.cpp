@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "meshops/self_intersections.hpp"
+#include "meshops/crossings/self_intersections.hpp"
 
 namespace {
 

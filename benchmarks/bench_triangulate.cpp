@@ -19,8 +19,8 @@
 #include "io/mesh_file.hpp"
 #include "io/points_file.hpp"
 #include "libtri/example_parts.hpp"
-#include "libtri/triangulate.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
+#include "libtri/triangulation/triangulate.hpp"
 #include "meshops/to_soup.hpp"
 
 namespace {

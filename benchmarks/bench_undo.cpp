@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
-#include "meshops/change_set.hpp"
-#include "meshops/mesh_edit.hpp"
+#include "meshops/editing/change_set.hpp"
+#include "meshops/editing/mesh_edit.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include "cli/commands.hpp"
 #include "io/mesh_file.hpp"
-#include "meshops/mesh_check.hpp"
+#include "meshops/checks/mesh_check.hpp"
 
 namespace tri::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include "io/atomic_file.hpp"
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
-#include "meshops/point_soup.hpp"
+#include "meshops/points/point_soup.hpp"
 
 namespace tri::cli {
 namespace {

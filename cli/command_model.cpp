@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
-#include "io/cad_file.hpp"
+#include "io/cad/cad_file.hpp"
 #include "libtri/example_parts.hpp"
 
 namespace tri::cli {

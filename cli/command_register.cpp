@@ -13,7 +13,7 @@
 #include "io/json_file.hpp"
 #include "io/registration_file.hpp"
 #include "libtri/registration.hpp"
-#include "meshops/value_statistics.hpp"
+#include "meshops/checks/value_statistics.hpp"
 #include "meshops/version.hpp"
 
 namespace tri::cli {

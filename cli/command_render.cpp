@@ -7,8 +7,8 @@
 #include "cli/number_checks.hpp"
 #include "cli/points_input.hpp"
 #include "io/mesh_file.hpp"
-#include "io/render.hpp"
-#include "meshops/point_soup.hpp"
+#include "io/pictures/render.hpp"
+#include "meshops/points/point_soup.hpp"
 
 namespace tri::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
 #include "meshops/pipeline.hpp"
-#include "meshops/point_soup.hpp"
+#include "meshops/points/point_soup.hpp"
 #include "meshops/to_soup.hpp"
 
 namespace tri::cli {

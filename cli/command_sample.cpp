@@ -9,7 +9,7 @@
 #include "io/json_file.hpp"
 #include "io/points_file.hpp"
 #include "io/truth_file.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
 
 namespace tri::cli {
 namespace {

@@ -13,8 +13,8 @@
 #include "cli/triangulate_report.hpp"
 #include "io/json_file.hpp"
 #include "io/mesh_file.hpp"
-#include "libtri/triangulate.hpp"
-#include "meshops/point_soup.hpp"
+#include "libtri/triangulation/triangulate.hpp"
+#include "meshops/points/point_soup.hpp"
 #include "meshops/to_soup.hpp"
 
 namespace tri::cli {

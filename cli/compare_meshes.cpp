@@ -5,8 +5,8 @@
 
 #include "cli/compare_options.hpp"
 #include "cli/page_parts.hpp"
-#include "io/html_text.hpp"
-#include "meshops/mesh_distance.hpp"
+#include "io/html/html_text.hpp"
+#include "meshops/checks/mesh_distance.hpp"
 #include "meshops/version.hpp"
 
 namespace tri::cli {

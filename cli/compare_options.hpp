@@ -11,9 +11,9 @@
 #include "cli/alignment.hpp"
 #include "cli/model_input.hpp"
 #endif
-#include "io/html_report.hpp"
+#include "io/html/html_report.hpp"
+#include "meshops/checks/value_statistics.hpp"
 #include "meshops/soup.hpp"
-#include "meshops/value_statistics.hpp"
 
 namespace tri::cli {
 

@@ -7,7 +7,7 @@
 #include "cli/compare_options.hpp"
 #include "cli/deviation_report.hpp"
 #include "cli/page_parts.hpp"
-#include "libtri/tessellation.hpp"
+#include "libtri/model/tessellation.hpp"
 
 namespace tri::cli {
 namespace {

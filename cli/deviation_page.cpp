@@ -6,7 +6,7 @@
 #include "cli/deviation_report.hpp"
 #include "cli/page_parts.hpp"
 #include "cli/program.hpp"
-#include "io/html_text.hpp"
+#include "io/html/html_text.hpp"
 
 namespace tri::cli {
 namespace {

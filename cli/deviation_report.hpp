@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/html_report.hpp"
+#include "io/html/html_report.hpp"
 #include "libtri/deviation.hpp"
 
 namespace tri::cli {

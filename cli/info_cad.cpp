@@ -6,8 +6,8 @@
 #include "cli/info.hpp"
 #include "cli/model_input.hpp"
 #include "cli/program.hpp"
-#include "libtri/cad_model.hpp"
-#include "libtri/cad_topology.hpp"
+#include "libtri/model/cad_model.hpp"
+#include "libtri/model/cad_topology.hpp"
 
 namespace tri::cli {
 

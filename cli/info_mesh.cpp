@@ -3,7 +3,7 @@
 #include "cli/info.hpp"
 #include "cli/program.hpp"
 #include "io/mesh_file.hpp"
-#include "meshops/mesh_summary.hpp"
+#include "meshops/checks/mesh_summary.hpp"
 
 namespace tri::cli {
 namespace {

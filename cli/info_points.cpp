@@ -7,7 +7,7 @@
 
 #include "cli/info.hpp"
 #include "cli/points_input.hpp"
-#include "meshops/point_summary.hpp"
+#include "meshops/checks/point_summary.hpp"
 
 namespace tri::cli {
 namespace {

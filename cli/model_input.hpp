@@ -3,8 +3,8 @@
 #include <string>
 
 #include "cli/program.hpp"
-#include "io/cad_file.hpp"
-#include "libtri/cad_model.hpp"
+#include "io/cad/cad_file.hpp"
+#include "libtri/model/cad_model.hpp"
 
 namespace tri::cli {
 

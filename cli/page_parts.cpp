@@ -6,7 +6,7 @@
 #include <chrono>
 #include <ctime>
 
-#include "io/html_text.hpp"
+#include "io/html/html_text.hpp"
 #include "io/input_file.hpp"
 
 namespace tri::cli {

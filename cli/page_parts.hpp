@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "cli/program.hpp"
-#include "io/html_report.hpp"
+#include "io/html/html_report.hpp"
 #include "io/measure_json.hpp"
-#include "meshops/value_statistics.hpp"
+#include "meshops/checks/value_statistics.hpp"
 
 namespace tri::cli {
 

@@ -7,7 +7,7 @@
 
 #include "cli/program.hpp"
 #include "io/points_file.hpp"
-#include "meshops/point_set.hpp"
+#include "meshops/points/point_set.hpp"
 #include "meshops/report.hpp"
 
 namespace tri::cli {

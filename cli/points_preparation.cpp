@@ -4,9 +4,9 @@
 
 #include "cli/number_checks.hpp"
 #include "cli/points_input.hpp"
-#include "meshops/keep_points.hpp"
 #include "meshops/operators/remove_outliers.hpp"
 #include "meshops/operators/thin.hpp"
+#include "meshops/points/keep_points.hpp"
 #include "meshops/registry.hpp"
 
 namespace tri::cli {

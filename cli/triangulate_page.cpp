@@ -4,7 +4,7 @@
 #include "cli/page_parts.hpp"
 #include "cli/program.hpp"
 #include "cli/triangulate_report.hpp"
-#include "io/html_text.hpp"
+#include "io/html/html_text.hpp"
 
 namespace tri::cli {
 namespace {

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "io/html_report.hpp"
+#include "io/html/html_report.hpp"
 #include "io/result_json.hpp"
-#include "libtri/triangulate.hpp"
+#include "libtri/triangulation/triangulate.hpp"
 
 namespace tri::cli {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <tri/meshops/change_set.hpp>
+#include <tri/meshops/editing/change_set.hpp>
 #include <tri/meshops/context.hpp>
 #include <tri/meshops/report.hpp>
 

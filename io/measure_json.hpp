@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "meshops/mesh_distance.hpp"
-#include "meshops/value_statistics.hpp"
+#include "meshops/checks/mesh_distance.hpp"
+#include "meshops/checks/value_statistics.hpp"
 #include "meshops/vec.hpp"
 
 namespace tri {

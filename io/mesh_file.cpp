@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "io/input_file.hpp"
-#include "io/mesh_formats.hpp"
-#include "io/mesh_losses.hpp"
+#include "io/mesh_formats/mesh_formats.hpp"
+#include "io/mesh_formats/mesh_losses.hpp"
 #include "io/text_scanner.hpp"
 #include "meshops/to_soup.hpp"
 

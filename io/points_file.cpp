@@ -7,11 +7,11 @@
 #include "io/atomic_file.hpp"
 #include "io/input_file.hpp"
 #include "io/mesh_file.hpp"
-#include "io/mesh_formats.hpp"
-#include "io/points_formats.hpp"
-#include "io/points_writer.hpp"
+#include "io/mesh_formats/mesh_formats.hpp"
+#include "io/point_formats/points_formats.hpp"
+#include "io/point_formats/points_writer.hpp"
 #include "meshops/error.hpp"
-#include "meshops/point_soup.hpp"
+#include "meshops/points/point_soup.hpp"
 
 namespace tri {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "meshops/context.hpp"
-#include "meshops/point_set.hpp"
+#include "meshops/points/point_set.hpp"
 
 namespace tri {
 

@@ -7,10 +7,10 @@
 
 #include "io/atomic_file.hpp"
 #include "io/input_file.hpp"
-#include "io/points_writer.hpp"
+#include "io/point_formats/points_writer.hpp"
 #include "io/text_number.hpp"
 #include "meshops/error.hpp"
-#include "meshops/point_soup.hpp"
+#include "meshops/points/point_soup.hpp"
 
 namespace tri {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "libtri/registration.hpp"
 #include "meshops/context.hpp"
-#include "meshops/point_set.hpp"
+#include "meshops/points/point_set.hpp"
 
 namespace tri {
 

@@ -5,7 +5,7 @@
 #include "io/measure_json.hpp"
 #include "libtri/alignment/align.hpp"
 #include "libtri/deviation.hpp"
-#include "libtri/triangulate.hpp"
+#include "libtri/triangulation/triangulate.hpp"
 
 namespace tri {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
 #include "meshops/context.hpp"
 
 namespace tri {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "libtri/outward_normals.hpp"
+#include "libtri/model/outward_normals.hpp"
 #include "meshops/error.hpp"
 
 namespace tri {

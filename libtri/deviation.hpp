@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "libtri/registration.hpp"
+#include "meshops/checks/value_statistics.hpp"
 #include "meshops/mesh.hpp"
-#include "meshops/value_statistics.hpp"
 
 namespace tri {
 

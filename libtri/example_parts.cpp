@@ -4,8 +4,8 @@
 
 #include <Standard_Failure.hxx>
 
+#include "libtri/model/shape_occt.hpp"
 #include "libtri/parts/parts.hpp"
-#include "libtri/shape_occt.hpp"
 #include "meshops/error.hpp"
 
 namespace tri {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "libtri/shape.hpp"
+#include "libtri/model/shape.hpp"
 
 namespace tri {
 

@@ -11,13 +11,13 @@
 #include <cmath>
 #include <thread>
 
-#include "libtri/curve_piece.hpp"
-#include "libtri/outward_normals.hpp"
-#include "libtri/point_order.hpp"
-#include "libtri/surface_patch.hpp"
-#include "libtri/trim_region.hpp"
-#include "meshops/box_tree.hpp"
+#include "libtri/model/outward_normals.hpp"
+#include "libtri/model/trim_region.hpp"
+#include "libtri/surfaces/curve_piece.hpp"
+#include "libtri/surfaces/surface_patch.hpp"
+#include "libtri/triangulation/point_order.hpp"
 #include "meshops/random_stream.hpp"
+#include "meshops/search/box_tree.hpp"
 
 namespace tri {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "libtri/cad_model.hpp"
+#include "libtri/model/cad_model.hpp"
 #include "meshops/context.hpp"
 
 namespace tri {

@@ -12,9 +12,9 @@
 #include <limits>
 #include <string>
 
+#include "meshops/editing/label_property.hpp"
 #include "meshops/error.hpp"
-#include "meshops/label_property.hpp"
-#include "meshops/side_pairs.hpp"
+#include "meshops/joining/side_pairs.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

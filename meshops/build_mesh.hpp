@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "meshops/context.hpp"
+#include "meshops/joining/side_pairs.hpp"
 #include "meshops/mesh.hpp"
 #include "meshops/report.hpp"
-#include "meshops/side_pairs.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {

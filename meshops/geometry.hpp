@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "meshops/mesh.hpp"
-#include "meshops/point_set.hpp"
+#include "meshops/points/point_set.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {

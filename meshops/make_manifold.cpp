@@ -3,8 +3,8 @@
 #include <map>
 #include <utility>
 
-#include "meshops/crowded_edges.hpp"
-#include "meshops/side_pairs.hpp"
+#include "meshops/joining/crowded_edges.hpp"
+#include "meshops/joining/side_pairs.hpp"
 
 namespace tri {
 namespace {

@@ -3,8 +3,8 @@
 #include <span>
 #include <type_traits>
 
+#include "meshops/editing/property_policy.hpp"
 #include "meshops/mesh.hpp"
-#include "meshops/property_policy.hpp"
 #include "meshops/selection.hpp"
 
 namespace tri {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <map>
 
-#include "meshops/disjoint_sets.hpp"
+#include "meshops/checks/mesh_distance.hpp"
+#include "meshops/crossings/solid_check.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_distance.hpp"
 #include "meshops/operators/make_solid.hpp"
 #include "meshops/operators/orient.hpp"
 #include "meshops/operators/remove_degenerate.hpp"
@@ -17,8 +17,8 @@
 #include "meshops/operators/split_non_manifold.hpp"
 #include "meshops/operators/stitch_boundaries.hpp"
 #include "meshops/operators/weld.hpp"
+#include "meshops/search/disjoint_sets.hpp"
 #include "meshops/single_precision.hpp"
-#include "meshops/solid_check.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

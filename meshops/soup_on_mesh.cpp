@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "meshops/build_mesh.hpp"
-#include "meshops/change_set.hpp"
-#include "meshops/closest_on_triangle.hpp"
+#include "meshops/editing/change_set.hpp"
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/editing/new_values.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_edit.hpp"
-#include "meshops/new_values.hpp"
+#include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/soup_edit.hpp"
 #include "meshops/to_soup.hpp"
 

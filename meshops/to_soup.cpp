@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "meshops/label_property.hpp"
+#include "meshops/editing/label_property.hpp"
 
 namespace tri {
 namespace {

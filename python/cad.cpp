@@ -8,15 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "io/cad_file.hpp"
+#include "io/cad/cad_file.hpp"
 #include "io/result_json.hpp"
 #include "libtri/alignment/align.hpp"
-#include "libtri/cad_model.hpp"
 #include "libtri/deviation.hpp"
 #include "libtri/example_parts.hpp"
+#include "libtri/model/cad_model.hpp"
 #include "libtri/registration.hpp"
-#include "libtri/triangulate.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
+#include "libtri/triangulation/triangulate.hpp"
 #include "python/call.hpp"
 #include "python/convert.hpp"
 #include "python/held.hpp"

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "io/measure_json.hpp"
-#include "meshops/mesh_check.hpp"
-#include "meshops/mesh_distance.hpp"
+#include "meshops/checks/mesh_check.hpp"
+#include "meshops/checks/mesh_distance.hpp"
 #include "meshops/repair.hpp"
 #include "meshops/to_soup.hpp"
 #include "python/call.hpp"

@@ -3,9 +3,9 @@
 #include <map>
 #include <vector>
 
-#include "libtri/cad_model.hpp"
+#include "libtri/model/cad_model.hpp"
 #include "libtri/registration.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
 
 namespace tri::test {
 

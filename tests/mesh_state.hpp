@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "meshops/change_segment.hpp"
+#include "meshops/editing/change_segment.hpp"
 
 namespace tri::test {
 

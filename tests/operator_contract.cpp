@@ -12,7 +12,7 @@
 #include "mesh_check.hpp"
 #include "mesh_state.hpp"
 #include "meshops/build_mesh.hpp"
-#include "meshops/change_set.hpp"
+#include "meshops/editing/change_set.hpp"
 #include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"
 

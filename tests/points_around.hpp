@@ -3,8 +3,8 @@
 #include <random>
 #include <vector>
 
-#include "libtri/cad_model.hpp"
-#include "libtri/trim_region.hpp"
+#include "libtri/model/cad_model.hpp"
+#include "libtri/model/trim_region.hpp"
 
 namespace tri::test {
 

@@ -1,5 +1,5 @@
 #ifdef TRI_WITH_3MF
-#include "io/zip_archive.hpp"
+#include "io/mesh_formats/zip_archive.hpp"
 #endif
 #include "mesh_io_helpers.hpp"
 #include "soup_shapes.hpp"

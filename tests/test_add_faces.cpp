@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include "meshops/add_faces.hpp"
+#include "meshops/editing/add_faces.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "meshops/attribute_seams.hpp"
-#include "meshops/label_property.hpp"
+#include "meshops/editing/attribute_seams.hpp"
+#include "meshops/editing/label_property.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;

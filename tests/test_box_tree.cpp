@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "meshops/box_tree.hpp"
+#include "meshops/search/box_tree.hpp"
 
 using namespace tri;
 

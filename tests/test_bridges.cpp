@@ -5,15 +5,15 @@
 #include <set>
 #include <vector>
 
-#include "libtri/bridges.hpp"
 #include "libtri/example_parts.hpp"
-#include "libtri/patches.hpp"
-#include "libtri/shell/connect.hpp"
-#include "libtri/tessellation.hpp"
+#include "libtri/model/tessellation.hpp"
+#include "libtri/triangulation/bridges.hpp"
+#include "libtri/triangulation/patches.hpp"
+#include "libtri/triangulation/shell/connect.hpp"
 #include "link_check.hpp"
 #include "measured_part.hpp"
+#include "meshops/crossings/self_intersections.hpp"
 #include "meshops/error.hpp"
-#include "meshops/self_intersections.hpp"
 
 using namespace tri;
 

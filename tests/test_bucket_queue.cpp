@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "meshops/bucket_queue.hpp"
+#include "meshops/shape/bucket_queue.hpp"
 
 using namespace tri;
 

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "io/cad_file.hpp"
-#include "libtri/cad_model.hpp"
-#include "libtri/cad_topology.hpp"
-#include "libtri/shape_occt.hpp"
+#include "io/cad/cad_file.hpp"
+#include "libtri/model/cad_model.hpp"
+#include "libtri/model/cad_topology.hpp"
+#include "libtri/model/shape_occt.hpp"
 #include "meshops/error.hpp"
 #include "occt_parts.hpp"
 #include "temporary_folder.hpp"

@@ -19,12 +19,12 @@
 #include <gp_Trsf.hxx>
 #include <random>
 
-#include "io/cad_file.hpp"
-#include "libtri/cad_model.hpp"
-#include "libtri/cad_topology.hpp"
+#include "io/cad/cad_file.hpp"
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/tessellation.hpp"
+#include "libtri/model/cad_model.hpp"
+#include "libtri/model/cad_topology.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/model/tessellation.hpp"
 #include "meshops/error.hpp"
 #include "occt_parts.hpp"
 

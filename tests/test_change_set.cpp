@@ -8,9 +8,9 @@
 
 #include "mesh_check.hpp"
 #include "mesh_state.hpp"
-#include "meshops/change_set.hpp"
+#include "meshops/editing/change_set.hpp"
+#include "meshops/editing/mesh_edit.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_edit.hpp"
 #include "meshops/operators/compact.hpp"
 #include "meshops/operators/extract_boundaries.hpp"
 #include "meshops/operators/fill_holes.hpp"

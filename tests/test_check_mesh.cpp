@@ -5,8 +5,8 @@
 #include <set>
 #include <string>
 
+#include "meshops/checks/mesh_check.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_check.hpp"
 #include "soup_shapes.hpp"
 
 using namespace tri;

@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "meshops/closest_on_triangle.hpp"
+#include "meshops/search/closest_on_triangle.hpp"
 
 using namespace tri;
 

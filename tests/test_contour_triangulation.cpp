@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include "meshops/contour_triangulation.hpp"
+#include "meshops/joining/contour_triangulation.hpp"
 
 using namespace tri;
 

@@ -1,5 +1,5 @@
 // clang-format off: OpenMesh does not compile after OpenCASCADE
-#include "libtri/coverage.hpp"
+#include "libtri/triangulation/coverage.hpp"
 // clang-format on
 
 #include <doctest/doctest.h>
@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/shell/connect.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/triangulation/shell/connect.hpp"
 #include "link_check.hpp"
 #include "measured_part.hpp"
 #include "meshops/error.hpp"

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "libtri/crossing_search.hpp"
-#include "meshops/self_intersections.hpp"
+#include "libtri/surfaces/crossing_search.hpp"
+#include "meshops/crossings/self_intersections.hpp"
 
 using namespace tri;
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "meshops/build_mesh.hpp"
-#include "meshops/mesh_distance.hpp"
+#include "meshops/checks/mesh_distance.hpp"
 #include "meshops/operators/decimate.hpp"
 #include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"

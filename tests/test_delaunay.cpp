@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-#include "libtri/delaunay.hpp"
+#include "libtri/triangulation/delaunay.hpp"
 #include "meshops/error.hpp"
 
 using tri::Delaunay;

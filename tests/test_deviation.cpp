@@ -2,7 +2,7 @@
 
 // OpenMesh's headers do not compile after OpenCASCADE's.
 #include "libtri/deviation.hpp"
-#include "libtri/triangulate.hpp"
+#include "libtri/triangulation/triangulate.hpp"
 
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
@@ -11,8 +11,8 @@
 #include <random>
 
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
 #include "meshops/error.hpp"
 
 using namespace tri;

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "e57_writer.hpp"
-#include "io/crc32c.hpp"
+#include "io/point_formats/crc32c.hpp"
 #include "io/points_file.hpp"
 #include "mesh_io_helpers.hpp"
 

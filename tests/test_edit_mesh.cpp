@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "libtri/shell/edit_mesh.hpp"
+#include "libtri/triangulation/shell/edit_mesh.hpp"
 #include "link_check.hpp"
 
 using namespace tri;

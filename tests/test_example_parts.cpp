@@ -31,9 +31,9 @@
 #include <string>
 #include <tuple>
 
-#include "io/cad_file.hpp"
+#include "io/cad/cad_file.hpp"
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
+#include "libtri/model/shape_occt.hpp"
 #include "meshops/error.hpp"
 #include "meshops/vec.hpp"
 

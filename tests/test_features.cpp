@@ -6,7 +6,7 @@
 #include <random>
 
 #include "meshops/error.hpp"
-#include "meshops/features.hpp"
+#include "meshops/shape/features.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;

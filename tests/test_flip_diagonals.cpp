@@ -9,9 +9,9 @@
 #include <set>
 
 #include "mesh_check.hpp"
+#include "meshops/crossings/predicates.hpp"
 #include "meshops/error.hpp"
 #include "meshops/operators/flip_diagonals.hpp"
-#include "meshops/predicates.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;

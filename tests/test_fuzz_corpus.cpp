@@ -4,7 +4,7 @@
 
 #include "fuzz/invariants.hpp"
 #ifdef TRI_WITH_3MF
-#include "io/zip_archive.hpp"
+#include "io/mesh_formats/zip_archive.hpp"
 #endif
 #include "temporary_folder.hpp"
 

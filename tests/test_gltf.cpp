@@ -1,7 +1,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "io/base64.hpp"
+#include "io/mesh_formats/base64.hpp"
 #include "mesh_io_helpers.hpp"
 #include "meshops/single_precision.hpp"
 #include "soup_shapes.hpp"

@@ -4,9 +4,9 @@
 #include <limits>
 #include <regex>
 
-#include "io/html_charts.hpp"
-#include "io/html_report.hpp"
-#include "io/html_text.hpp"
+#include "io/html/html_charts.hpp"
+#include "io/html/html_report.hpp"
+#include "io/html/html_text.hpp"
 #include "meshops/error.hpp"
 #include "meshops/version.hpp"
 #include "temporary_folder.hpp"

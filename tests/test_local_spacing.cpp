@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "meshops/local_spacing.hpp"
+#include "meshops/search/local_spacing.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;

@@ -8,10 +8,10 @@
 #include <random>
 #include <set>
 
-#include "meshops/closest_triangle.hpp"
+#include "meshops/crossings/self_intersections.hpp"
 #include "meshops/operators/make_solid.hpp"
 #include "meshops/repair.hpp"
-#include "meshops/self_intersections.hpp"
+#include "meshops/search/closest_triangle.hpp"
 
 using namespace tri;
 

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <random>
 
-#include "meshops/closest_triangle.hpp"
+#include "meshops/checks/mesh_distance.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_distance.hpp"
+#include "meshops/search/closest_triangle.hpp"
 
 using namespace tri;
 

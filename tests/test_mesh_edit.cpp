@@ -4,7 +4,7 @@
 #include <random>
 
 #include "mesh_check.hpp"
-#include "meshops/mesh_edit.hpp"
+#include "meshops/editing/mesh_edit.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "meshops/mesh_summary.hpp"
+#include "meshops/checks/mesh_summary.hpp"
 
 using namespace tri;
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "meshops/nearest_points.hpp"
+#include "meshops/search/nearest_points.hpp"
 
 using namespace tri;
 

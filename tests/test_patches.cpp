@@ -5,12 +5,12 @@
 #include <set>
 #include <vector>
 
-#include "libtri/cad_model.hpp"
-#include "libtri/cad_topology.hpp"
 #include "libtri/example_parts.hpp"
-#include "libtri/patches.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/model/cad_model.hpp"
+#include "libtri/model/cad_topology.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
+#include "libtri/triangulation/patches.hpp"
 #include "measured_part.hpp"
 #include "meshops/error.hpp"
 #include "occt_parts.hpp"

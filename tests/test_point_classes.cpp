@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "libtri/point_classes.hpp"
+#include "libtri/triangulation/point_classes.hpp"
 
 using namespace tri;
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "libtri/point_order.hpp"
+#include "libtri/triangulation/point_order.hpp"
 
 using namespace tri;
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "meshops/error.hpp"
-#include "meshops/point_set.hpp"
+#include "meshops/points/point_set.hpp"
 
 using namespace tri;
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "meshops/point_summary.hpp"
+#include "meshops/checks/point_summary.hpp"
 
 using namespace tri;
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "meshops/polygon_triangulation.hpp"
+#include "meshops/holes/polygon_triangulation.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "meshops/predicates.hpp"
+#include "meshops/crossings/predicates.hpp"
 
 using tri::Vec2;
 using tri::Vec3;

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/quadric.hpp"
+#include "meshops/shape/quadric.hpp"
 
 using namespace tri;
 

@@ -30,9 +30,9 @@
 #include <random>
 
 #include "libtri/example_parts.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/model/trim_region.hpp"
 #include "libtri/registration.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/trim_region.hpp"
 #include "meshops/error.hpp"
 #include "points_around.hpp"
 

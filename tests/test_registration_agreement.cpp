@@ -29,10 +29,10 @@
 #include <numeric>
 #include <random>
 
-#include "io/cad_file.hpp"
+#include "io/cad/cad_file.hpp"
 #include "libtri/example_parts.hpp"
+#include "libtri/model/shape_occt.hpp"
 #include "libtri/registration.hpp"
-#include "libtri/shape_occt.hpp"
 #include "points_around.hpp"
 
 namespace {

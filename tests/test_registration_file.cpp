@@ -11,7 +11,7 @@
 #include "io/mesh_file.hpp"
 #include "io/registration_file.hpp"
 #include "meshops/error.hpp"
-#include "meshops/point_soup.hpp"
+#include "meshops/points/point_soup.hpp"
 #include "temporary_folder.hpp"
 
 using namespace tri;

@@ -6,11 +6,11 @@
 #include <map>
 #include <set>
 
-#include "meshops/closest_on_triangle.hpp"
+#include "meshops/checks/mesh_distance.hpp"
+#include "meshops/crossings/self_intersections.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_distance.hpp"
 #include "meshops/operators/remesh.hpp"
-#include "meshops/self_intersections.hpp"
+#include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"
 

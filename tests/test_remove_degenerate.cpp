@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "meshops/mesh_summary.hpp"
+#include "meshops/checks/mesh_summary.hpp"
 #include "meshops/operators/remove_degenerate.hpp"
 #include "soup_shapes.hpp"
 

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "meshops/mesh_summary.hpp"
+#include "meshops/checks/mesh_summary.hpp"
 #include "meshops/operators/remove_duplicates.hpp"
 #include "meshops/operators/weld.hpp"
 #include "soup_shapes.hpp"

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "meshops/crossings/triangle_pair.hpp"
 #include "meshops/operators/remove_self_intersections.hpp"
-#include "meshops/triangle_pair.hpp"
 #include "soup_shapes.hpp"
 
 using namespace tri;

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "io/palette.hpp"
-#include "io/render.hpp"
+#include "io/pictures/palette.hpp"
+#include "io/pictures/render.hpp"
 #include "meshops/error.hpp"
 
 using namespace tri;

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
-#include "meshops/mesh_summary.hpp"
+#include "meshops/checks/mesh_summary.hpp"
+#include "meshops/joining/t_junctions.hpp"
 #include "meshops/operators/resolve_t_junctions.hpp"
-#include "meshops/t_junctions.hpp"
 #include "soup_shapes.hpp"
 
 using namespace tri;

@@ -12,7 +12,7 @@
 #include <numbers>
 
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
+#include "libtri/model/shape_occt.hpp"
 #include "meshops/random_stream.hpp"
 
 using namespace tri;

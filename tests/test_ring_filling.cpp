@@ -6,9 +6,9 @@
 #include <random>
 #include <set>
 
-#include "meshops/awake_points.hpp"
 #include "meshops/error.hpp"
-#include "meshops/ring_filling.hpp"
+#include "meshops/holes/awake_points.hpp"
+#include "meshops/holes/ring_filling.hpp"
 
 using namespace tri;
 

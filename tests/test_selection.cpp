@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "mesh_check.hpp"
-#include "meshops/boundary_loops.hpp"
 #include "meshops/error.hpp"
+#include "meshops/holes/boundary_loops.hpp"
 #include "meshops/registry.hpp"
 #include "test_shapes.hpp"
 

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "meshops/crossings/self_intersections.hpp"
 #include "meshops/error.hpp"
-#include "meshops/self_intersections.hpp"
 
 using namespace tri;
 

@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/shell/connect.hpp"
-#include "libtri/shell/delaunay_flips.hpp"
-#include "libtri/shell/insertion.hpp"
-#include "libtri/shell/vertex_removal.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/triangulation/shell/connect.hpp"
+#include "libtri/triangulation/shell/delaunay_flips.hpp"
+#include "libtri/triangulation/shell/insertion.hpp"
+#include "libtri/triangulation/shell/vertex_removal.hpp"
 #include "link_check.hpp"
 #include "measured_part.hpp"
 #include "meshops/error.hpp"

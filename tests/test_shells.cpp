@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "meshops/shells.hpp"
+#include "meshops/checks/shells.hpp"
 #include "soup_shapes.hpp"
 
 using namespace tri;

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "meshops/solid_check.hpp"
+#include "meshops/crossings/solid_check.hpp"
 #include "soup_shapes.hpp"
 
 using namespace tri;

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "mesh_check.hpp"
-#include "meshops/boundary_loops.hpp"
-#include "meshops/change_set.hpp"
+#include "meshops/editing/change_set.hpp"
 #include "meshops/error.hpp"
+#include "meshops/holes/boundary_loops.hpp"
 #include "meshops/operators/orient.hpp"
 #include "meshops/operators/weld.hpp"
 #include "meshops/pipeline.hpp"

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
-#include "meshops/mesh_summary.hpp"
+#include "meshops/checks/mesh_summary.hpp"
+#include "meshops/checks/shells.hpp"
 #include "meshops/operators/split_non_manifold.hpp"
-#include "meshops/shells.hpp"
 #include "soup_shapes.hpp"
 
 using namespace tri;

@@ -42,7 +42,7 @@
 #include <numbers>
 #include <random>
 
-#include "libtri/geometry_occt.hpp"
+#include "libtri/surfaces/geometry_occt.hpp"
 #include "meshops/error.hpp"
 
 namespace {

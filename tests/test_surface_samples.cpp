@@ -10,8 +10,8 @@
 #include "libtri/alignment/sample_field.hpp"
 #include "libtri/example_parts.hpp"
 #include "libtri/registration.hpp"
-#include "meshops/nearest_points.hpp"
 #include "meshops/random_stream.hpp"
+#include "meshops/search/nearest_points.hpp"
 
 using namespace tri;
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include "meshops/surface_side.hpp"
+#include "meshops/crossings/surface_side.hpp"
 
 using namespace tri;
 

@@ -14,10 +14,10 @@
 #include <numbers>
 #include <set>
 
-#include "libtri/cad_topology.hpp"
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/tessellation.hpp"
+#include "libtri/model/cad_topology.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/model/tessellation.hpp"
 #include "link_check.hpp"
 #include "meshops/error.hpp"
 #include "occt_parts.hpp"

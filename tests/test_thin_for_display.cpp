@@ -4,7 +4,7 @@
 #include <set>
 
 #include "meshops/error.hpp"
-#include "meshops/thin_for_display.hpp"
+#include "meshops/points/thin_for_display.hpp"
 
 using namespace tri;
 

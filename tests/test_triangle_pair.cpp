@@ -2,8 +2,8 @@
 
 #include <random>
 
-#include "meshops/self_intersections.hpp"
-#include "meshops/triangle_pair.hpp"
+#include "meshops/crossings/self_intersections.hpp"
+#include "meshops/crossings/triangle_pair.hpp"
 #include "soup_shapes.hpp"
 
 using namespace tri;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libtri/model/triangle_tree.hpp"
 #include "meshops/random_stream.hpp"
-#include "libtri/triangle_tree.hpp"
 
 using namespace tri;
 

@@ -1,5 +1,5 @@
 // clang-format off: OpenMesh does not compile after OpenCASCADE
-#include "libtri/triangulate.hpp"
+#include "libtri/triangulation/triangulate.hpp"
 // clang-format on
 
 #include <doctest/doctest.h>
@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
 #include "mesh_check.hpp"
 #include "meshops/error.hpp"
 

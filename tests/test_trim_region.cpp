@@ -16,8 +16,8 @@
 #include <random>
 
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/trim_region.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/model/trim_region.hpp"
 
 using namespace tri;
 using std::numbers::pi;

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <random>
 
+#include "meshops/checks/value_statistics.hpp"
 #include "meshops/error.hpp"
-#include "meshops/value_statistics.hpp"
 
 using namespace tri;
 

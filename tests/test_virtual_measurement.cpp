@@ -28,8 +28,8 @@
 #include <set>
 
 #include "libtri/example_parts.hpp"
-#include "libtri/shape_occt.hpp"
-#include "libtri/virtual_measurement.hpp"
+#include "libtri/model/shape_occt.hpp"
+#include "libtri/sampling/virtual_measurement.hpp"
 #include "meshops/error.hpp"
 
 using namespace tri;

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "meshops/mesh_summary.hpp"
+#include "meshops/checks/mesh_summary.hpp"
 #include "meshops/operators/weld.hpp"
 #include "soup_shapes.hpp"
 

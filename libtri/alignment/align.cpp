@@ -12,7 +12,7 @@
 #include "libtri/alignment/rim_fit.hpp"
 #include "libtri/alignment/verdict.hpp"
 #include "meshops/error.hpp"
-#include "meshops/nearest_points.hpp"
+#include "meshops/search/nearest_points.hpp"
 
 namespace tri {
 namespace {

@@ -11,7 +11,7 @@
 #include "libtri/alignment/fit_quality.hpp"
 #include "libtri/alignment/information.hpp"
 #include "libtri/alignment/pose.hpp"
-#include "libtri/cad_model.hpp"
+#include "libtri/model/cad_model.hpp"
 #include "libtri/registration.hpp"
 #include "meshops/context.hpp"
 

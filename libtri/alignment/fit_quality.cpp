@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "meshops/for_each_block.hpp"
-#include "meshops/nearest_points.hpp"
+#include "meshops/search/nearest_points.hpp"
 
 namespace tri {
 namespace {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "libtri/cad_model.hpp"
+#include "libtri/model/cad_model.hpp"
 #include "libtri/registration.hpp"
 #include "meshops/context.hpp"
-#include "meshops/nearest_points.hpp"
+#include "meshops/search/nearest_points.hpp"
 
 namespace tri {
 

@@ -7,8 +7,8 @@
 
 #include "libtri/alignment/pose.hpp"
 #include "meshops/for_each_block.hpp"
-#include "meshops/nearest_points.hpp"
 #include "meshops/random_stream.hpp"
+#include "meshops/search/nearest_points.hpp"
 
 namespace tri {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "libtri/trim_region.hpp"
+#include "libtri/model/trim_region.hpp"
 #include "meshops/for_each_block.hpp"
 #include "meshops/random_stream.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "libtri/cad_model.hpp"
+#include "libtri/model/cad_model.hpp"
 #include "meshops/context.hpp"
 
 namespace tri {

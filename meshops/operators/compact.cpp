@@ -4,8 +4,8 @@
 
 #include <utility>
 
+#include "meshops/editing/mesh_edit.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_edit.hpp"
 
 namespace tri {
 namespace {

@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/attribute_seams.hpp"
-#include "meshops/bucket_queue.hpp"
-#include "meshops/collapse_stars.hpp"
-#include "meshops/features.hpp"
+#include "meshops/editing/attribute_seams.hpp"
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/editing/plain_vector.hpp"
 #include "meshops/for_each_block.hpp"
-#include "meshops/mesh_edit.hpp"
-#include "meshops/plain_vector.hpp"
-#include "meshops/quadric.hpp"
-#include "meshops/triangle_shape.hpp"
+#include "meshops/shape/bucket_queue.hpp"
+#include "meshops/shape/collapse_stars.hpp"
+#include "meshops/shape/features.hpp"
+#include "meshops/shape/quadric.hpp"
+#include "meshops/shape/triangle_shape.hpp"
 
 namespace tri {
 namespace {

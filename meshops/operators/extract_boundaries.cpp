@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "meshops/mesh_edit.hpp"
+#include "meshops/editing/mesh_edit.hpp"
 
 namespace tri {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "meshops/boundary_loops.hpp"
 #include "meshops/context.hpp"
+#include "meshops/holes/boundary_loops.hpp"
 #include "meshops/mesh_view.hpp"
 #include "meshops/options.hpp"
 #include "meshops/report.hpp"

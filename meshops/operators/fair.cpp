@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "meshops/editing/mesh_edit.hpp"
 #include "meshops/error.hpp"
-#include "meshops/mesh_edit.hpp"
 
 namespace tri {
 namespace {

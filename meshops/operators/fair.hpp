@@ -4,7 +4,7 @@
 #include <string>
 
 #include "meshops/context.hpp"
-#include "meshops/fairing.hpp"
+#include "meshops/holes/fairing.hpp"
 #include "meshops/mesh_view.hpp"
 #include "meshops/options.hpp"
 #include "meshops/report.hpp"

@@ -6,14 +6,14 @@
 #include <map>
 #include <set>
 
-#include "meshops/add_faces.hpp"
-#include "meshops/boundary_loops.hpp"
-#include "meshops/fairing.hpp"
-#include "meshops/filling_obstacles.hpp"
-#include "meshops/hole_islands.hpp"
-#include "meshops/mesh_edit.hpp"
-#include "meshops/refine_faces.hpp"
-#include "meshops/self_intersections.hpp"
+#include "meshops/crossings/self_intersections.hpp"
+#include "meshops/editing/add_faces.hpp"
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/holes/boundary_loops.hpp"
+#include "meshops/holes/fairing.hpp"
+#include "meshops/holes/filling_obstacles.hpp"
+#include "meshops/holes/hole_islands.hpp"
+#include "meshops/holes/refine_faces.hpp"
 
 namespace tri {
 

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "meshops/context.hpp"
-#include "meshops/hole.hpp"
+#include "meshops/holes/hole.hpp"
 #include "meshops/mesh_view.hpp"
 #include "meshops/options.hpp"
 #include "meshops/reference.hpp"
@@ -39,7 +39,7 @@ struct FillHolesOptions {
 ///
 /// Adds faces and edges; existing handles and positions keep. No vertex is added unless `refine` or `fair` ask for it,
 /// which they do not by default: in a mesh of measured points every vertex is a point that was measured. New elements
-/// take their properties from the rim (see meshops/mesh_edit.hpp). No chord is used that is an edge of the mesh
+/// take their properties from the rim (see meshops/editing/mesh_edit.hpp). No chord is used that is an edge of the mesh
 /// already, so no edge gets more than two faces and no triangle appears twice; if a hole cannot be triangulated the
 /// mesh is not modified there. Finding a filling was near-linear up to 40,000 edges in measurements;
 /// the check for crossings below comes on top, and is the larger part where the triangles around a long loop are needles.

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/flips/curvature_criterion.hpp"
-#include "meshops/flips/delaunay_criterion.hpp"
-#include "meshops/flips/flip_criterion.hpp"
-#include "meshops/flips/smooth_shape_criterion.hpp"
-#include "meshops/mesh_edit.hpp"
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/shape/flips/curvature_criterion.hpp"
+#include "meshops/shape/flips/delaunay_criterion.hpp"
+#include "meshops/shape/flips/flip_criterion.hpp"
+#include "meshops/shape/flips/smooth_shape_criterion.hpp"
 
 namespace tri {
 namespace {

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "meshops/arrangement/solid_from_soup.hpp"
+#include "meshops/crossings/arrangement/solid_from_soup.hpp"
+#include "meshops/crossings/solid_check.hpp"
 #include "meshops/single_precision.hpp"
-#include "meshops/solid_check.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

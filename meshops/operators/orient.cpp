@@ -1,6 +1,6 @@
 #include "meshops/operators/orient.hpp"
 
-#include "meshops/shells.hpp"
+#include "meshops/checks/shells.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

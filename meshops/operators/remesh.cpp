@@ -8,16 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/closest_triangle.hpp"
-#include "meshops/collapse_stars.hpp"
-#include "meshops/curvature_lengths.hpp"
-#include "meshops/edge_lines.hpp"
+#include "meshops/editing/mesh_before.hpp"
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/editing/place_values.hpp"
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
-#include "meshops/mesh_before.hpp"
-#include "meshops/mesh_edit.hpp"
-#include "meshops/place_values.hpp"
-#include "meshops/triangle_shape.hpp"
+#include "meshops/search/closest_triangle.hpp"
+#include "meshops/shape/collapse_stars.hpp"
+#include "meshops/shape/curvature_lengths.hpp"
+#include "meshops/shape/edge_lines.hpp"
+#include "meshops/shape/triangle_shape.hpp"
 
 namespace tri {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <functional>
 
-#include "meshops/mesh_summary.hpp"
-#include "meshops/soup_components.hpp"
+#include "meshops/checks/mesh_summary.hpp"
+#include "meshops/checks/soup_components.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

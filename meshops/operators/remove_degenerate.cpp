@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/closest_on_triangle.hpp"
-#include "meshops/predicates.hpp"
+#include "meshops/crossings/predicates.hpp"
+#include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "meshops/disjoint_sets.hpp"
+#include "meshops/search/disjoint_sets.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "meshops/for_each_block.hpp"
-#include "meshops/keep_points.hpp"
-#include "meshops/nearest_points.hpp"
+#include "meshops/points/keep_points.hpp"
+#include "meshops/search/nearest_points.hpp"
 
 namespace tri {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "meshops/context.hpp"
 #include "meshops/options.hpp"
-#include "meshops/point_set.hpp"
+#include "meshops/points/point_set.hpp"
 #include "meshops/report.hpp"
 
 namespace tri {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "meshops/local_spacing.hpp"
-#include "meshops/mesh_edit.hpp"
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/search/local_spacing.hpp"
 
 namespace tri {
 namespace {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <map>
 
-#include "meshops/arrangement/crossing_complex.hpp"
-#include "meshops/arrangement/grid_frame.hpp"
-#include "meshops/solid_check.hpp"
+#include "meshops/crossings/arrangement/crossing_complex.hpp"
+#include "meshops/crossings/arrangement/grid_frame.hpp"
+#include "meshops/crossings/solid_check.hpp"
+#include "meshops/crossings/triangle_pieces.hpp"
 #include "meshops/soup_edit.hpp"
-#include "meshops/triangle_pieces.hpp"
 
 namespace tri {
 namespace {

@@ -4,9 +4,9 @@
 #include <array>
 #include <utility>
 
-#include "meshops/joined_points.hpp"
+#include "meshops/joining/joined_points.hpp"
+#include "meshops/joining/t_junctions.hpp"
 #include "meshops/soup_edit.hpp"
-#include "meshops/t_junctions.hpp"
 
 namespace tri {
 namespace {

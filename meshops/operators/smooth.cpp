@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/curvature_flow.hpp"
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/editing/vertex_rows.hpp"
 #include "meshops/error.hpp"
-#include "meshops/features.hpp"
 #include "meshops/for_each_block.hpp"
-#include "meshops/mesh_edit.hpp"
-#include "meshops/vertex_rows.hpp"
+#include "meshops/shape/curvature_flow.hpp"
+#include "meshops/shape/features.hpp"
 
 namespace tri {
 namespace {

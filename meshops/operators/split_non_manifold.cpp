@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "meshops/side_pairs.hpp"
+#include "meshops/joining/side_pairs.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "meshops/joined_points.hpp"
-#include "meshops/nearest_points.hpp"
+#include "meshops/joining/joined_points.hpp"
+#include "meshops/search/nearest_points.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {

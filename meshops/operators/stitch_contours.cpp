@@ -4,12 +4,12 @@
 #include <cmath>
 #include <map>
 
-#include "meshops/add_faces.hpp"
-#include "meshops/boundary_loops.hpp"
-#include "meshops/contour_triangulation.hpp"
-#include "meshops/facing_contours.hpp"
-#include "meshops/hole.hpp"
-#include "meshops/local_spacing.hpp"
+#include "meshops/editing/add_faces.hpp"
+#include "meshops/holes/boundary_loops.hpp"
+#include "meshops/holes/hole.hpp"
+#include "meshops/joining/contour_triangulation.hpp"
+#include "meshops/joining/facing_contours.hpp"
+#include "meshops/search/local_spacing.hpp"
 
 namespace tri {
 namespace {

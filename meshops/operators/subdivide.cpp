@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/editing/mesh_edit.hpp"
+#include "meshops/editing/vertex_rows.hpp"
 #include "meshops/error.hpp"
-#include "meshops/features.hpp"
 #include "meshops/for_each_block.hpp"
-#include "meshops/mesh_edit.hpp"
-#include "meshops/subdivision_stencils.hpp"
-#include "meshops/vertex_rows.hpp"
+#include "meshops/shape/features.hpp"
+#include "meshops/shape/subdivision_stencils.hpp"
 
 namespace tri {
 namespace {

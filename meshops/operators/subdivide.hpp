@@ -41,7 +41,7 @@ struct SubdivideOptions {
 /// over: where they are long and thin, as those of CAD models are, `midpoint` is the better choice.
 ///
 /// Handles of all elements stay; a face keeps its handle for one of its four pieces, an edge for one of its halves. New
-/// vertices inherit the mean of the ends of their edge, faces what they are a piece of (see meshops/mesh_edit.hpp); the
+/// vertices inherit the mean of the ends of their edge, faces what they are a piece of (see meshops/editing/mesh_edit.hpp); the
 /// values of old vertices stay. Linear in what is made. `touched_faces`, `touched_vertices`: all that changed or are
 /// new. `vertices_moved` counts old vertices. `skipped`: "edges of triangles back to back", whose pieces would have
 /// edges twice. Points are computed in parallel, with the same result for any number of threads; splitting is serial.

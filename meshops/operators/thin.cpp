@@ -10,7 +10,7 @@
 
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
-#include "meshops/keep_points.hpp"
+#include "meshops/points/keep_points.hpp"
 
 namespace tri {
 namespace {

@@ -1,9 +1,9 @@
 // The main job: points measured on a CAD model become a mesh.
 
-#include <tri/libtri/cad_model.hpp>
+#include <tri/libtri/model/cad_model.hpp>
 #include <tri/libtri/example_parts.hpp>
-#include <tri/libtri/triangulate.hpp>
-#include <tri/libtri/virtual_measurement.hpp>
+#include <tri/libtri/triangulation/triangulate.hpp>
+#include <tri/libtri/sampling/virtual_measurement.hpp>
 
 #include <iostream>
 

@@ -1,5 +1,5 @@
 #include "invariants.hpp"
-#include "io/zip_archive.hpp"
+#include "io/mesh_formats/zip_archive.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);

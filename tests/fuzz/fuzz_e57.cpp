@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "invariants.hpp"
-#include "io/crc32c.hpp"
+#include "io/point_formats/crc32c.hpp"
 
 namespace {
 

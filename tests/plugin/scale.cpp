@@ -1,5 +1,5 @@
 // A plug-in with one operator.
-#include <tri/meshops/mesh_edit.hpp>
+#include <tri/meshops/editing/mesh_edit.hpp>
 #include <tri/meshops/plugin.hpp>
 
 namespace {

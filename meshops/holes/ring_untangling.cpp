@@ -1,0 +1,170 @@
+#include "meshops/holes/ring_untangling.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "meshops/crossings/self_intersections.hpp"
+#include "meshops/crossings/triangle_pair.hpp"
+#include "meshops/holes/ring_triangulation.hpp"
+#include "meshops/search/overlap_tree.hpp"
+#include "meshops/shape/triangle_normal.hpp"
+
+namespace tri {
+namespace {
+
+constexpr int sizes[] = {12, 24, 48};
+/// Of triangles that are weighed in one filling, by which the time is bounded: where the rim's own faces cross each other,
+/// nothing helps, and all would be tried.
+constexpr std::size_t most_weighed = 250'000;
+
+/// Fewest crossings first.
+struct CrossingWeight {
+  int crossings = 0;
+  double area = 0;
+
+  friend CrossingWeight operator+(const CrossingWeight& a, const CrossingWeight& b) {
+    return {a.crossings + b.crossings, a.area + b.area};
+  }
+  friend bool operator<(const CrossingWeight& a, const CrossingWeight& b) {
+    return a.crossings != b.crossings ? a.crossings < b.crossings : a.area < b.area;
+  }
+};
+
+struct Crossings {
+  std::size_t count = 0;
+  std::vector<std::int32_t> triangles;  ///< those that take part, ascending
+};
+
+class Untangler {
+ public:
+  Untangler(std::span<const Vec3> ring, const RingSurroundings& surroundings, const Context& context)
+      : ring_(ring), surroundings_(surroundings), context_(context) {}
+
+  Crossings find(std::span<const RingTriangle> triangles) const {
+    Crossings found;
+    std::vector<char> takes_part(triangles.size(), 0);
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      if (t % 256 == 0) context_.checkpoint();
+      const auto at = places(triangles[t]);
+      if (!triangle_has_area(at[0], at[1], at[2])) continue;
+      const int crossings = surroundings_.crossings(triangles[t]);
+      found.count += static_cast<std::size_t>(crossings);
+      takes_part[t] = crossings > 0;
+    }
+    if (triangles.size() > 1) {
+      std::vector<Triangle> named;
+      for (const RingTriangle& t : triangles) named.push_back(names(t));
+      for (const auto& [t, u] : self_intersections(ring_, named, context_, Neighbors::judge)) {
+        ++found.count;
+        takes_part[t] = takes_part[u] = 1;
+      }
+    }
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      if (takes_part[t]) found.triangles.push_back(static_cast<std::int32_t>(t));
+    return found;
+  }
+
+  void run(const ChordTest& chord_allowed, std::vector<RingTriangle>& triangles, std::size_t& crossings) {
+    std::vector<std::int32_t> all(ring_.size());
+    std::iota(all.begin(), all.end(), 0);
+    RingTriangulation surface(ring_, {}, chord_allowed, RingObjective::area, all, triangles);
+    for (const int size : sizes) {
+      const Crossings found = find(surface.triangles());
+      if (found.count == 0) break;
+      const std::vector<RingTriangle> before = surface.triangles();
+      const OverlapTree tree = tree_of(before);
+      std::vector<char> seen(before.size(), 0);
+      for (const std::int32_t t : found.triangles) {
+        if (seen[t]) continue;
+        if (weighed_ >= most_weighed) break;
+        context_.checkpoint();
+        surface.solve_piece(t, size, [&](auto piece, auto corners, std::vector<RingTriangle>& result) {
+          for (const std::int32_t p : piece) seen[p] = 1;
+          return solve(chord_allowed, surface.triangles(), tree, piece, corners, result);
+        });
+      }
+      const std::size_t now = find(surface.triangles()).count;
+      if (now < crossings) {
+        crossings = now;
+        triangles = surface.triangles();
+      }
+      if (weighed_ >= most_weighed || (size > sizes[0] && now >= found.count)) break;
+    }
+  }
+
+ private:
+  Triangle names(const RingTriangle& t) const {
+    Triangle result;
+    for (std::size_t k = 0; k < 3; ++k) result[k] = static_cast<std::uint32_t>(surroundings_.same_as[t[k]]);
+    return result;
+  }
+  std::array<Vec3, 3> places(const RingTriangle& t) const { return {ring_[t[0]], ring_[t[1]], ring_[t[2]]}; }
+
+  OverlapTree tree_of(const std::vector<RingTriangle>& triangles) const {
+    std::vector<OverlapTree::Box> boxes(triangles.size());
+    std::vector<std::uint32_t> items(triangles.size());
+    std::iota(items.begin(), items.end(), 0u);
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (const std::int32_t v : triangles[t]) boxes[t].grow(ring_[v]);
+    return OverlapTree(std::move(boxes), std::move(items));
+  }
+
+  /// @param now  the filling; `tree` holds it as it was a few pieces ago, so a few crossings may be missed here
+  bool solve(const ChordTest& chord_allowed, const std::vector<RingTriangle>& now, const OverlapTree& tree,
+             std::span<const std::int32_t> piece, std::span<const std::int32_t> corners,
+             std::vector<RingTriangle>& result) {
+    std::vector<std::int32_t> own(piece.begin(), piece.end());
+    std::sort(own.begin(), own.end());
+    const auto weigh = [&](const RingTriangle& t) {
+      ++weighed_;
+      const auto at = places(t);
+      CrossingWeight weight{0, triangle_area(at[0], at[1], at[2])};
+      if (!triangle_has_area(at[0], at[1], at[2])) return weight;
+      weight.crossings = surroundings_.crossings(t);
+      OverlapTree::Box box;
+      for (const Vec3& p : at) box.grow(p);
+      tree.overlapping(box, 0, [&](std::uint32_t other) {
+        if (std::binary_search(own.begin(), own.end(), static_cast<std::int32_t>(other))) return;
+        const auto at_other = places(now[other]);
+        if (triangle_has_area(at_other[0], at_other[1], at_other[2]) &&
+            triangles_meet(names(t), at, names(now[other]), at_other))
+          ++weight.crossings;
+      });
+      return weight;
+    };
+    CrossingWeight before;
+    for (const std::int32_t t : piece) before = before + weigh(now[t]);
+    // Crossings within the piece: as if each took part in one.
+    if (before.crossings == 0) before.crossings = 1;
+    const auto least = triangulate_polygon<CrossingWeight>(
+        static_cast<int>(corners.size()),
+        [&](int i, int j) { return !chord_allowed || chord_allowed(corners[i], corners[j]); },
+        [&](int i, int k, int j, int, int) -> std::optional<CrossingWeight> {
+          return weigh({corners[i], corners[k], corners[j]});
+        },
+        result);
+    return least && least->crossings < before.crossings;
+  }
+
+  std::span<const Vec3> ring_;
+  const RingSurroundings& surroundings_;
+  const Context& context_;
+  std::size_t weighed_ = 0;
+};
+
+}  // namespace
+
+std::size_t count_crossings(std::span<const Vec3> ring, const RingSurroundings& surroundings,
+                            std::span<const RingTriangle> triangles, const Context& context) {
+  return Untangler(ring, surroundings, context).find(triangles).count;
+}
+
+std::size_t untangle_filling(const Ring& ring, const RingSurroundings& surroundings, std::size_t crossings,
+                             std::vector<RingTriangle>& triangles, const Context& context) {
+  std::vector<RingTriangle> best = triangles;
+  Untangler(ring.points, surroundings, context).run(ring.chord_allowed, best, crossings);
+  triangles = best;
+  return crossings;
+}
+
+}  // namespace tri

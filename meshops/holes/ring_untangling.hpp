@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "meshops/context.hpp"
+#include "meshops/holes/ring_filling.hpp"
+
+namespace tri {
+
+/// What the filling of a ring may run into.
+struct RingSurroundings {
+  /// For each position of the ring the lowest one in the same place: itself, unless the ring meets itself.
+  std::vector<std::int32_t> same_as;
+  /// How many triangles around the ring one of the filling meets in more than what they share.
+  std::function<int(const RingTriangle&)> crossings;
+};
+
+/// Pairs of triangles that meet in more than what they share: in the filling, and with its surroundings.
+/// @throws Cancelled between some 256 triangles
+std::size_t count_crossings(std::span<const Vec3> ring, const RingSurroundings& surroundings,
+                            std::span<const RingTriangle> triangles, const Context& context);
+
+/// Takes connected pieces around crossings out of a filling and triangulates them with the fewest crossings, then the
+/// least area, by dynamic programming; first pieces of 12 triangles, then larger ones. At most 250,000 triangles are weighed,
+/// and a size of pieces that helps nothing is the last: where the faces at the rim cross each other, nothing would.
+/// @param crossings  what `count_crossings` says about `triangles`
+/// @return how many crossings are left; if no fewer than there were, `triangles` is unchanged
+/// @throws Cancelled between pieces; then `triangles` is unchanged
+std::size_t untangle_filling(const Ring& ring, const RingSurroundings& surroundings, std::size_t crossings,
+                             std::vector<RingTriangle>& triangles, const Context& context);
+
+}  // namespace tri
