@@ -171,6 +171,37 @@ TEST_CASE("ply: every bad header is refused with its line") {
   CHECK(refused("plx\n", "a.ply").position() == 1);
 }
 
+TEST_CASE("ply: a line of text in the header that is none of PLY is skipped and said") {
+  const auto with = [](std::string text, const std::string& line) { return text.insert(text.find("element vertex"), line + "\n"); };
+  for (const char* line : {"Created by Blender3D 247 - www.blender.org, source file: ", "made on 3 May 2009", "\tComment", "Erzeugt f\xc3\xbcr Dich"}) {
+    CAPTURE(line);
+    for (const std::string& text : {ascii_ply, binary_triangle()}) {
+      MeshFileInfo info;
+      check_triangle(parsed(with(text, line), "a.ply", &info));
+      REQUIRE(info.notes.size() == 1);
+      CHECK(has_note(info.notes, "line 3 of the header"));
+    }
+  }
+  std::string many;
+  for (int i = 0; i < 5000; ++i) many += "nothing\n";
+  MeshFileInfo info;
+  check_triangle(parsed(with(ascii_ply, many), "a.ply", &info));
+  CHECK(info.notes.size() == 11);
+}
+
+TEST_CASE("ply: a line of the header that may be a damaged one is refused") {
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+  for (const std::string line : {"elment vertex 1", "Element vertex 1", "elephant vertex 1", "propery short a", "xx uchar red",
+                                 "p list uchar int vertex_indices", "comm\x01nt", "Created\x7f by", "formt ascii 1.0", "end_headr"}) {
+    CAPTURE(line);
+    const std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n" + xyz + line + "\nend_header\n0 0 0\n";
+    CHECK(refused(text, "a.ply").position() == 7);
+  }
+  // A body that was taken for the header: bytes, or an end that never comes.
+  CHECK(refused("ply\nformat ascii 1.0\n" + raw(1.f, 2.f, 3.f) + "\nend_header\n", "a.ply").position() == 3);
+  CHECK(refused("ply\nformat ascii 1.0\nCreated by", "a.ply").unit() == IoError::Unit::line);
+}
+
 TEST_CASE("ply: absurd counts are refused before memory is asked for") {
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
   for (const char* count : {"4000000000", "9223372036854775807", "1000000000000"})

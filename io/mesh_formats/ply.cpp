@@ -392,6 +392,7 @@ Soup parse_ply(std::string_view bytes, const std::string& file, Context& context
   info.format = MeshFormat::ply;
   const PlyHeader header = parse_ply_header(bytes, file);
   info.encoding = header.encoding;
+  info.notes = header.notes;
   const auto run = [&](auto source) {
     return PlyParser<decltype(source)>(std::move(source), header, file, bytes.size(), info).run(context);
   };

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <optional>
 
 #include "io/text_scanner.hpp"
@@ -76,6 +78,60 @@ void parse_property(TextScanner& scanner, PlyHeader& header) {
   element.properties.push_back(std::move(property));
 }
 
+/// Letters to insert, leave out or exchange that make one word the other [Levenshtein 1966].
+std::size_t letters_apart(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t exchanged = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({exchanged, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+bool is_integer(std::string_view token) {
+  std::int64_t value = 0;
+  const auto result = std::from_chars(token.data(), token.data() + token.size(), value);
+  return result.ec == std::errc() && result.ptr == token.data() + token.size();
+}
+
+/// Whether a line that is none of PLY may have been one, so that what it said would be lost.
+bool may_be_damaged(std::string_view line, const std::string& file) {
+  constexpr std::size_t nearly = 2;
+  if (std::ranges::any_of(line, [](char c) { return (static_cast<unsigned char>(c) < 32 && c != '\t') || c == 127; }))
+    return true;
+  TextScanner scanner(line, file);
+  std::array<std::string_view, 4> word;
+  for (std::string_view& w : word) w = scanner.token();
+  if (type_named(word[1]) || word[1] == "list") return true;
+  if (word[3].empty() && is_integer(word[2])) return true;
+  // Words much longer than those of PLY are none of them, and would only cost time.
+  return word[0].size() < 20 &&
+         std::ranges::any_of(std::array{"format", "element", "property", "end_header"},
+                             [&](const char* of_ply) { return letters_apart(word[0], of_ply) <= nearly; });
+}
+
+void skip_unknown(TextScanner& scanner, const char* first, std::string_view bytes, const std::string& file,
+                  PlyHeader& header) {
+  constexpr std::size_t most_notes = 10;
+  scanner.move_to(first);
+  const std::string_view line = scanner.rest_of_line();
+  if (may_be_damaged(line, file)) {
+    scanner.move_to(first);
+    scanner.fail("unknown keyword " + quoted(scanner.token()) + " in the header", first);
+  }
+  if (header.notes.size() > most_notes) return;
+  header.notes.push_back(header.notes.size() < most_notes
+                             ? fmt::format("line {} of the header is no line of PLY and was skipped: {}",
+                                           line_of(bytes, first), quoted(line))
+                             : "further lines of the header that are none of PLY were skipped");
+}
+
 }  // namespace
 
 std::size_t size_of(PlyType type) {
@@ -129,7 +185,7 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& file) {
     } else if (keyword == "comment" || keyword == "obj_info") {
       scanner.rest_of_line();
     } else if (!keyword.empty()) {
-      scanner.fail("unknown keyword " + quoted(keyword) + " in the header", first);
+      skip_unknown(scanner, first, bytes, file, header);
     }
     if (!scanner.at_line_end()) scanner.fail(quoted(scanner.token()) + " where the line should end");
   }

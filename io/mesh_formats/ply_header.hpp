@@ -36,10 +36,16 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::size_t size = 0;     ///< bytes up to the first of the body
   std::uint64_t lines = 0;  ///< of the header
+  /// Lines that are none of PLY and were skipped, as some programs write a comment without its keyword: one sentence
+  /// each.
+  std::vector<std::string> notes;
 };
 
-/// @throws IoError with the line: not a PLY header, an unknown type or keyword, a name that is given twice. Counts are
-/// not checked.
+/// A line of text with an unknown keyword is skipped, with a note, unless it may be a damaged one of PLY: control
+/// characters in it, a keyword that is nearly one of PLY's, the type of a property or the count of an element where
+/// those have theirs.
+/// @throws IoError with the line: not a PLY header, an unknown type, a line that may be damaged, a name that is given
+/// twice. Counts are not checked.
 PlyHeader parse_ply_header(std::string_view bytes, const std::string& file);
 
 }  // namespace tri::io_detail
