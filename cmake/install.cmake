@@ -18,6 +18,11 @@ install(FILES ${PROJECT_BINARY_DIR}/package/tri-config.cmake ${PROJECT_BINARY_DI
 file(RELATIVE_PATH tri_pc_to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 # tri_pkg_config(COMPONENT DESCRIPTION LIBRARY REQUIRES PRIVATE_REQUIRES PRIVATE_LIBRARIES)
 function(tri_pkg_config component description library requires private_requires private_libraries)
+  # A shared library knows itself what it is linked with, and pkg-config asks even for private packages by name.
+  if(BUILD_SHARED_LIBS)
+    set(private_requires)
+    set(private_libraries)
+  endif()
   configure_file(cmake/tri.pc.in ${PROJECT_BINARY_DIR}/package/tri-${component}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/package/tri-${component}.pc
     DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
