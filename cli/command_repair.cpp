@@ -118,7 +118,7 @@ void add_repair_command(CLI::App& app, Program& program) {
   command->add_option("--goal", a->goal, "solid: closed, no crossings; surface: open where it was open; auto: by the boundary")
       ->check(CLI::IsMember({"auto", "solid", "surface"}))
       ->capture_default_str();
-  command->add_option("--max-deviation", a->max_deviation, "How far the surface may end from where it was, as a share of its diagonal; farther is said, with exit code 1. Does not bound what closes holes")
+  command->add_option("--max-deviation", a->max_deviation, "How far the surface may move, as a share of its diagonal: no place of it ends farther from the result, nor a place of the result farther from it, but for what closes holes. A step that would go beyond is undone and named, with exit code 1")
       ->check(CLI::Range(0.0, 0.1))
       ->capture_default_str();
   command->add_option("--report", a->report, "Write every step to this file as JSON");

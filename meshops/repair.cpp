@@ -1,11 +1,16 @@
 #include "meshops/repair.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <map>
 
 #include "meshops/checks/mesh_distance.hpp"
+#include "meshops/checks/surface_reach.hpp"
 #include "meshops/crossings/solid_check.hpp"
 #include "meshops/error.hpp"
 #include "meshops/operators/make_solid.hpp"
@@ -26,6 +31,8 @@ namespace {
 
 constexpr double most_boundary = 4;      ///< of a solid: squared length of the loops over the area
 constexpr double stitched_share = 0.02;  ///< of the deviation that is allowed: widest gap that is stitched
+constexpr const char* undone_name = "beyond max-deviation, undone";
+constexpr double left_for_later = 0.45;  ///< of it: for each of two steps that follow
 
 double diagonal(const Soup& soup) {
   Vec3 low = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity(), high = -low;
@@ -73,9 +80,126 @@ std::vector<RepairPlace> places_of(const Soup& soup, const Report& report) {
 
 std::optional<RepairDeviation> deviation_of(const Soup& before, const Soup& after, Context& context) {
   if (before.triangles.empty() || after.triangles.empty()) return std::nullopt;
-  const MeshDistance d = mesh_distance(before, after, {.samples = 1000, .relative_error = 0.05, .max_searches = 50'000}, context);
+  const MeshDistance d =
+      mesh_distance(before, after, {.samples = 1000, .relative_error = 0.05, .max_searches = 50'000}, context);
   return RepairDeviation{d.forward.max, d.forward.place, d.backward.max, d.backward.place};
 }
+
+/// The steps on one soup.
+class Repairer {
+ public:
+  /// @param watched  every step that may move the surface is undone where it does by more than it may
+  Repairer(const Soup& given, const RepairOptions& options, bool watched, Context& context)
+      : given_(given), options_(options), watched_(watched), context_(context), work_(given), size_(diagonal(given)) {}
+
+  void run() {
+    const double farthest = options_.max_deviation * size_;
+    step(weld, WeldOptions{}, stays);
+    // Sheets drawn from both sides are for `make_solid` to judge, which sees what lies around them.
+    step(remove_duplicates,
+         RemoveDuplicatesOptions{.opposite = options_.goal == RepairGoal::solid ? OppositePairs::keep
+                                                                                : OppositePairs::automatic},
+         stays);
+    ResolveTJunctionsOptions junctions;
+    junctions.relative_tolerance = std::min(junctions.relative_tolerance, stitched_share * options_.max_deviation);
+    step(resolve_t_junctions, junctions, moves);
+    step(stitch_boundaries, StitchBoundariesOptions{.tolerance = stitched_share * farthest}, moves);
+    result_.goal = options_.goal;
+    if (result_.goal == RepairGoal::automatic)
+      result_.goal = boundary_share(work_) < most_boundary ? RepairGoal::solid : RepairGoal::surface;
+    if (result_.goal == RepairGoal::solid) {
+      const auto solid = [this](Soup& soup, const MakeSolidOptions& with, Context& context) {
+        return make_solid_naming_fillings(soup, with, fillings_, context);
+      };
+      step(solid,
+           MakeSolidOptions{.max_deviation = options_.max_deviation, .single_precision = options_.single_precision},
+           moves);
+    } else {
+      step(remove_degenerate, RemoveDegenerateOptions{.max_deviation = left_for_later * farthest}, moves);
+      step(remove_self_intersections,
+           RemoveSelfIntersectionsOptions{.max_deviation = left_for_later * options_.max_deviation}, moves);
+    }
+    for (const auto& [reason, count] : result_.steps.back().skipped)
+      if (reason != undone_name) result_.left += count;
+    if (result_.goal == RepairGoal::solid) return;
+    step(orient, OrientOptions{}, stays);
+    step(split_non_manifold, SplitNonManifoldOptions{}, stays);
+  }
+
+  /// Places of what was given that are too far from what there is now; then the other way round.
+  std::array<std::vector<FarPlace>, 2> beyond() const {
+    if (given_.triangles.empty()) return {};
+    // What rounding does is no movement.
+    const double reach = options_.max_deviation * size_ + 0x1p-50 * farthest_coordinate();
+    if (work_.triangles.empty()) return {places_of_all(), {}};
+    return {places_beyond(given_, {}, work_, reach, context_).places,
+            places_beyond(work_, fillings_, given_, reach, context_).places};
+  }
+
+  RepairResult& result() { return result_; }
+  Soup& soup() { return work_; }
+
+ private:
+  static constexpr bool moves = true, stays = false;
+
+  void step(auto operation, const auto& with, bool may_move) {
+    const auto start = std::chrono::steady_clock::now();
+    const Soup before = watched_ && may_move ? work_ : Soup{};
+    const std::vector<std::uint32_t> fillings_before = fillings_;
+    Report report = operation(work_, with, context_);
+    if (watched_ && may_move && !report.unchanged()) {
+      if (const auto [lost, added] = beyond(); !lost.empty() || !added.empty()) {
+        work_ = before;
+        fillings_ = fillings_before;
+        report = undone(report.operation, lost, added);
+        ++result_.left;
+      }
+    }
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result_.changed |= !report.unchanged();
+    result_.places.push_back(places_of(work_, report));
+    result_.steps.push_back(std::move(report));
+  }
+
+  Report undone(const std::string& operation, const std::vector<FarPlace>& lost,
+                const std::vector<FarPlace>& added) const {
+    constexpr std::size_t named = 10;
+    Report report;
+    report.operation = operation;
+    report.skipped[undone_name] = 1;
+    const auto name = [&](const std::vector<FarPlace>& places, const char* of, const char* from) {
+      for (std::size_t i = 0; i < std::min(named, places.size()); ++i)
+        report.notes.push_back(fmt::format(
+            "({:.6g}, {:.6g}, {:.6g}) of {} would have been {:.3g} from {}, {:.3g} are allowed", places[i].at[0],
+            places[i].at[1], places[i].at[2], of, places[i].distance, from, options_.max_deviation * size_));
+    };
+    name(lost, "what was given", "the result");
+    name(added, "the result", "what was given");
+    return report;
+  }
+
+  std::vector<FarPlace> places_of_all() const {
+    std::vector<FarPlace> all;
+    for (std::uint32_t t = 0; t < given_.triangles.size(); ++t)
+      all.push_back({t, given_.points[given_.triangles[t][0]], std::numeric_limits<double>::infinity()});
+    return all;
+  }
+
+  double farthest_coordinate() const {
+    double most = 0;
+    for (const Vec3& p : given_.points) most = std::max({most, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+    return most;
+  }
+
+  const Soup& given_;
+  const RepairOptions& options_;
+  const bool watched_;
+  Context& context_;
+  Soup work_;
+  const double size_;
+  std::vector<std::uint32_t> fillings_;
+  RepairResult result_;
+};
 
 }  // namespace
 
@@ -87,40 +211,22 @@ RepairResult repair(Soup& soup, const RepairOptions& options, Context& context) 
   if (options.goal != RepairGoal::surface && is_clean_solid(soup, options.single_precision, context) &&
       !(options.single_precision && rounds_to_floats(soup)))
     return result;
-  Soup work = soup;
-  const double size = diagonal(work);
-  const auto step = [&](auto operation, const auto& with) {
-    const auto start = std::chrono::steady_clock::now();
-    Report report = operation(work, with, context);
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    result.changed |= !report.unchanged();
-    result.places.push_back(places_of(work, report));
-    result.steps.push_back(std::move(report));
+  Repairer repairer(soup, options, false, context);
+  repairer.run();
+  if (!repairer.result().changed) return std::move(repairer.result());
+  std::optional<RepairDeviation> deviation = deviation_of(soup, repairer.soup(), context);
+  const auto finish = [&](Repairer& done) {
+    done.result().deviation = std::move(deviation);
+    if (done.result().changed) soup = std::move(done.soup());
+    return std::move(done.result());
   };
-  step(weld, WeldOptions{});
-  // Sheets drawn from both sides are for `make_solid` to judge, which sees what lies around them.
-  step(remove_duplicates, RemoveDuplicatesOptions{.opposite = options.goal == RepairGoal::solid ? OppositePairs::keep
-                                                                                             : OppositePairs::automatic});
-  step(resolve_t_junctions, ResolveTJunctionsOptions{});
-  step(stitch_boundaries, StitchBoundariesOptions{.tolerance = stitched_share * options.max_deviation * size});
-  result.goal = options.goal;
-  if (result.goal == RepairGoal::automatic)
-    result.goal = boundary_share(work) < most_boundary ? RepairGoal::solid : RepairGoal::surface;
-  if (result.goal == RepairGoal::solid) {
-    step(make_solid, MakeSolidOptions{.max_deviation = options.max_deviation, .single_precision = options.single_precision});
-    for (const auto& [reason, count] : result.steps.back().skipped) result.left += count;
-  } else {
-    step(remove_degenerate, RemoveDegenerateOptions{.max_deviation = options.max_deviation * size});
-    step(remove_self_intersections, RemoveSelfIntersectionsOptions{.max_deviation = options.max_deviation});
-    for (const auto& [reason, count] : result.steps.back().skipped) result.left += count;
-    step(orient, OrientOptions{});
-    step(split_non_manifold, SplitNonManifoldOptions{});
-  }
-  if (!result.changed) return result;
-  result.deviation = deviation_of(soup, work, context);
-  if (result.deviation && result.deviation->lost > options.max_deviation * size * (1 + 1e-9)) ++result.left;
-  soup = std::move(work);
-  return result;
+  if (const auto [lost, added] = repairer.beyond(); lost.empty() && added.empty()) return finish(repairer);
+  // Once more, with an eye on every step.
+  Repairer watched(soup, options, true, context);
+  watched.run();
+  deviation.reset();
+  if (watched.result().changed) deviation = deviation_of(soup, watched.soup(), context);
+  return finish(watched);
 }
 
 }  // namespace tri

@@ -143,6 +143,16 @@ TEST_CASE("tri repair: says in text and JSON what was done, where, and how far t
   }
 }
 
+TEST_CASE("tri repair: a step that --max-deviation forbids is undone, named with its place, and the exit code is 1") {
+  const TemporaryFolder folder;
+  folder.make("in.obj", cube_obj(0, 1, 0) + cube_obj(0.4, 1.1, 8));
+  const Outcome strict = run_tri({"repair", "in.obj", "-o", "out.obj", "--max-deviation", "0"}, folder.path());
+  CHECK(strict.exit_code == 1);
+  CHECK(contains(strict.out, "beyond max-deviation, undone: 1"));
+  CHECK(contains(strict.out, "0 are allowed"));
+  CHECK(run_tri({"repair", "in.obj", "-o", "out.obj", "--max-deviation", "1e-6"}, folder.path()).exit_code == 0);
+}
+
 TEST_CASE("tri repair: --dry-run says the same and writes nothing") {
   const TemporaryFolder folder;
   folder.make("in.obj", cube_obj(0, 1, 0) + cube_obj(0.4, 1.1, 8));

@@ -26,7 +26,7 @@ std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
 
 }  // namespace
 
-void replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report) {
+std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report) {
   const std::vector<Vec3>& places = pieces.places;
   const std::size_t old_points = soup.points.size(), old_triangles = soup.triangles.size();
   std::vector<std::uint32_t> name(places.size(), none);
@@ -54,12 +54,19 @@ void replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report)
   }
   // A triangle that is the same as before keeps its place, so that its attributes need no interpolation.
   std::vector<std::pair<Triangle, std::uint32_t>> fresh;
-  for (const auto& [t, source] : added) {
+  std::vector<std::uint32_t> piece_kept(old_triangles, none), fresh_pieces;
+  for (std::uint32_t i = 0; i < added.size(); ++i) {
+    const auto& [t, source] = added[i];
     const Triangle& was = soup.triangles[source];
     bool same = false;
     for (std::size_t k = 0; k < 3; ++k) same |= t == Triangle{was[k], was[(k + 1) % 3], was[(k + 2) % 3]};
-    if (same && !kept[source]) kept[source] = 1;
-    else fresh.emplace_back(t, source);
+    if (same && !kept[source]) {
+      kept[source] = 1;
+      piece_kept[source] = i;
+    } else {
+      fresh.emplace_back(t, source);
+      fresh_pieces.push_back(i);
+    }
   }
   for (std::size_t v = 0; v < name.size(); ++v) {
     if (name[v] == none) continue;
@@ -86,6 +93,9 @@ void replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report)
     if (!used[v] && v < old_points) ++report.vertices_removed;
   }
   renumber_points(soup, number, count);
+  std::erase(piece_kept, none);
+  piece_kept.insert(piece_kept.end(), fresh_pieces.begin(), fresh_pieces.end());
+  return piece_kept;
 }
 
 }  // namespace tri

@@ -25,7 +25,8 @@ struct TrianglePieces {
 /// Replaces the triangles of a soup. A triangle that is there as before keeps its place, a vertex its number; attributes are
 /// kept, copied or interpolated. Vertices that no triangle uses go.
 ///
+/// @return of each triangle of the result: its piece
 /// Counts: `vertices_added`, `vertices_moved`, `vertices_removed`, `faces_added`, `faces_removed`, `touched_faces`: all new ones.
-void replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report);
+std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report);
 
 }  // namespace tri

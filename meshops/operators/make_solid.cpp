@@ -24,7 +24,8 @@ Vec3 middle_of(const Soup& soup, std::uint32_t t) {
 }
 
 /// A note for each of the first few.
-void name_places(Report& report, const char* what, const char* how, const std::vector<std::uint32_t>& list, const auto& place) {
+void name_places(Report& report, const char* what, const char* how, const std::vector<std::uint32_t>& list,
+                 const auto& place) {
   for (std::size_t i = 0; i < std::min(named, list.size()); ++i) {
     const Vec3 p = place(list[i]);
     report.notes.push_back(fmt::format("{} {} {} ({:.6g}, {:.6g}, {:.6g})", what, list[i], how, p[0], p[1], p[2]));
@@ -63,9 +64,12 @@ struct Attempt {
   Report report;
   SurfaceContacts left;
   std::size_t touching = 0;
+  std::vector<std::uint32_t> fillings;
 
   bool better_than(const Attempt& other) const {
-    const auto defects = [](const Attempt& a) { return std::array{a.left.crossing.size() + a.left.flat.size(), a.touching}; };
+    const auto defects = [](const Attempt& a) {
+      return std::array{a.left.crossing.size() + a.left.flat.size(), a.touching};
+    };
     return defects(*this) < defects(other);
   }
 };
@@ -74,12 +78,14 @@ struct Attempt {
 /// @param floats whether the result is rounded to single precision
 Attempt attempt(const Soup& soup, const MakeSolidOptions& options, int finest, bool floats, bool tell_progress,
                 Context& context) {
-  Attempt a{soup, {.operation = "make-solid"}, {}, 0};
-  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest).run(a.report, tell_progress, context);
+  Attempt a{soup, {.operation = "make-solid"}, {}, 0, {}};
+  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, a.fillings)
+               .run(a.report, tell_progress, context);
   // What the rounding of new vertices made cross is cut again.
   for (int pass = 1; pass < passes && !a.left.none(); ++pass) {
     Report again;
-    a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest).run(again, false, context);
+    a.left =
+        SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, a.fillings).run(again, false, context);
     if (again.unchanged()) break;
     a.report.figures["passes"] = pass + 1;
     a.report.touched_faces = again.touched_faces;
@@ -102,7 +108,10 @@ const OptionSchema& MakeSolidOptions::schema() {
   static const OptionSchema schema =
       Schema<O>()
           .number("max-deviation", &O::max_deviation,
-                  {.unit = "of the diagonal", .min = 0, .max = 0.1, .help = "walls and sheets nearer than this to what stays go"})
+                  {.unit = "of the diagonal",
+                   .min = 0,
+                   .max = 0.1,
+                   .help = "walls and sheets nearer than this to what stays go"})
           .boolean("keep-walls", &O::keep_walls, {.help = "other walls and sheets stay, as thin gaps and plates"})
           .boolean("single-precision", &O::single_precision,
                    {.help = "the result stays a solid in a file that holds floats and no indices (STL)"});
@@ -110,6 +119,13 @@ const OptionSchema& MakeSolidOptions::schema() {
 }
 
 Report make_solid(Soup& soup, const MakeSolidOptions& options, Context& context) {
+  std::vector<std::uint32_t> fillings;
+  return make_solid_naming_fillings(soup, options, fillings, context);
+}
+
+Report make_solid_naming_fillings(Soup& soup, const MakeSolidOptions& options, std::vector<std::uint32_t>& fillings,
+                                  Context& context) {
+  fillings.clear();
   validate(options);
   check_soup(soup);
   context.checkpoint();
@@ -130,7 +146,10 @@ Report make_solid(Soup& soup, const MakeSolidOptions& options, Context& context)
   }
   report = std::move(best.report);
   tell_what_is_left(best.soup, best.left, options.single_precision, report);
-  if (!report.unchanged()) soup = std::move(best.soup);
+  if (!report.unchanged()) {
+    soup = std::move(best.soup);
+    fillings = std::move(best.fillings);
+  }
   context.progress("make-solid", 1);
   return report;
 }

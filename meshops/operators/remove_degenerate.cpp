@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/checks/surface_reach.hpp"
 #include "meshops/crossings/predicates.hpp"
 #include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/soup_edit.hpp"
@@ -44,7 +45,7 @@ class Cleaner {
  public:
   Cleaner(const Soup& soup, const RemoveDegenerateOptions& options, Context& context)
       : work_(soup), options_(options), context_(context), alive_(soup.triangles.size(), 1),
-        changed_(soup.triangles.size(), 0), at_(soup.points.size()) {
+        changed_(soup.triangles.size(), 0), drift_(soup.triangles.size(), 0), at_(soup.points.size()) {
     for (std::uint32_t i = 0; i < work_.triangles.size(); ++i)
       for (const std::uint32_t v : work_.triangles[i])
         if (at_[v].empty() || at_[v].back() != i) at_[v].push_back(i);
@@ -149,11 +150,12 @@ class Cleaner {
     changed_[t] = 1;
     if (measure(work_.triangles[t]).degenerate) new_degenerate_.push_back(t);
   }
-  void add(const Triangle& triangle, std::uint32_t source) {
+  void add(const Triangle& triangle, std::uint32_t source, double drift) {
     const auto t = static_cast<std::uint32_t>(work_.triangles.size());
     add_triangle_in(work_, triangle, source);
     alive_.push_back(1);
     changed_.push_back(0);
+    drift_.push_back(drift);
     for (const std::uint32_t v : triangle) at_[v].push_back(t);
     note_changed(t);
   }
@@ -200,9 +202,13 @@ class Cleaner {
       }
     }
     if (!after.well_below(before)) return false;
+    double drift = drift_[t];
+    for (const std::uint32_t other : others) drift = std::max(drift, drift_[other]);
+    if (!collinear_exact(point(a), point(b), point(c))) drift += std::sqrt(shape.height_squared);
+    if (drift > options_.max_deviation) return false;
     kill(t);
     for (std::size_t i = 0; i < others.size(); ++i) {
-      for (const Triangle& half : halves[i]) add(half, others[i]);
+      for (const Triangle& half : halves[i]) add(half, others[i], drift);
       kill(others[i]);
     }
     ++caps_;
@@ -212,12 +218,13 @@ class Cleaner {
   struct Collapse {
     std::uint32_t goes = 0, stays = 0;
     double displacement = 0;
+    double drift = 0;  ///< of what changes, with all that was before
     List vanish, change;
   };
 
   /// What a collapse would do, if it is allowed.
   std::optional<Collapse> check(std::uint32_t goes, std::uint32_t stays, const Shape& shape) {
-    Collapse c{goes, stays, 0, triangles_at_edge(goes, stays), {}};
+    Collapse c{goes, stays, 0, 0, triangles_at_edge(goes, stays), {}};
     const double squared = (point(goes) - point(stays)).sqrnorm();
     if (c.vanish.size() == 2 && special(goes)) {
       if (special(stays) || squared > 0) return std::nullopt;
@@ -258,7 +265,36 @@ class Cleaner {
       const Vec3 m = area_vector(work_, old), n = area_vector(work_, now);
       if ((m | n) <= least_cosine * m.norm() * n.norm()) return std::nullopt;
     }
-    return c;
+    return stays_within(c, std::sqrt(squared)) ? std::optional(c) : std::nullopt;
+  }
+
+  /// Whether what changes stays near to where the surface was at first; sets `drift`.
+  /// @param length  of the edge: no place moves farther
+  bool stays_within(Collapse& c, double length) {
+    constexpr std::size_t most_pieces = 200;
+    if (std::isinf(options_.max_deviation)) return true;
+    for (const List* list : {&c.vanish, &c.change})
+      for (const std::uint32_t t : *list) c.drift = std::max(c.drift, drift_[t]);
+    const double left = options_.max_deviation - c.drift;
+    if (length <= left) {
+      c.drift += length;
+      return true;
+    }
+    if (c.change.empty()) return false;
+    std::vector<Triangle> old, now;
+    for (const List* list : {&c.vanish, &c.change})
+      for (const std::uint32_t t : *list) old.push_back(work_.triangles[t]);
+    for (const std::uint32_t t : c.change) now.push_back(replaced(work_.triangles[t], c.goes, c.stays));
+    const ClosestTriangle before(work_.points, old), after(work_.points, now);
+    const auto within = [&](const std::vector<Triangle>& from, const ClosestTriangle& to) {
+      return std::ranges::none_of(from, [&](const Triangle& t) { 
+        std::uint32_t hint = 0;
+        return reach_of({point(t[0]), point(t[1]), point(t[2])}, to, left, most_pieces, hint).verdict != ReachOfTriangle::Verdict::within;
+      });
+    };
+    if (!within(old, after) || !within(now, before)) return false;
+    c.drift = options_.max_deviation;
+    return true;
   }
 
   bool collapse(const Triangle& corners, const Shape& shape) {
@@ -275,6 +311,7 @@ class Cleaner {
     for (const std::uint32_t t : best->change) {
       carry_corner(*best, t);
       work_.triangles[t] = replaced(work_.triangles[t], best->goes, best->stays);
+      drift_[t] = best->drift;
       at_[best->stays].push_back(t);
     }
     for (const std::uint32_t t : best->vanish) kill(t);
@@ -328,6 +365,7 @@ class Cleaner {
   const RemoveDegenerateOptions& options_;
   Context& context_;
   std::vector<char> alive_, changed_, used_before_;
+  std::vector<double> drift_;  // of triangles: how far from where the surface was at first, at most
   std::vector<List> at_;  // triangles at each vertex, and some that were there
   List new_degenerate_;
   double caps_ = 0, needles_ = 0;
@@ -344,7 +382,7 @@ const OptionSchema& RemoveDegenerateOptions::schema() {
                   {.min = 0, .max = 0.1, .help = "height over longest side up to which a triangle is degenerate"})
           .number("shortest-edge", &O::shortest_edge, {.unit = "mm", .min = 0, .help = "edges no longer are collapsed"})
           .number("max-deviation", &O::max_deviation,
-                  {.unit = "mm", .min = 0, .infinite = true, .help = "how far a collapse may move the surface"});
+                  {.unit = "mm", .min = 0, .infinite = true, .help = "how far the surface may move"});
   return schema;
 }
 

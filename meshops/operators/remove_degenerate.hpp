@@ -15,7 +15,8 @@ struct RemoveDegenerateOptions {
   double flatness = 1e-6;
   /// Model units; edges no longer than this are degenerate as well and are collapsed.
   double shortest_edge = 0;
-  /// Model units; a collapse that would leave the vertex that goes farther than this from the triangles around is not done.
+  /// Model units; no place of the surface ends farther than this from where the surface was, nor the other way round: what moves
+  /// displace one after another is added up, and a move that would go beyond is not done.
   double max_deviation = std::numeric_limits<double>::infinity();
 
   static const OptionSchema& schema();

@@ -94,8 +94,7 @@ Report remove_self_intersections(Soup& soup, const RemoveSelfIntersectionsOption
   Soup work = soup;
   for (int pass = 0; pass < passes && left > 0; ++pass) {
     OnGrid grid(work);
-    const CrossingReport cut = resolve_crossings(grid.complex, grid.frame.steps_in(first_reach_share), context);
-    if (cut.reach * grid.frame.step() > farthest) break;
+    const CrossingReport cut = resolve_crossings(grid.complex, grid.frame.steps_in(first_reach_share), farthest / grid.frame.step(), context);
     TrianglePieces pieces = pieces_of(work, grid, true);
     std::size_t now = crossings(pieces, context);
     if (now > 0) {

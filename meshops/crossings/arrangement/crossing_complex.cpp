@@ -28,8 +28,8 @@ EdgeKey key_of(std::uint32_t a, std::uint32_t b) {
 
 class Resolver {
  public:
-  Resolver(CrossingComplex& complex, double first_reach, Context& context)
-      : c_(complex), first_reach_(first_reach), context_(context) {}
+  Resolver(CrossingComplex& complex, double first_reach, double most_reach, Context& context)
+      : c_(complex), first_reach_(first_reach), most_reach_(most_reach), context_(context) {}
 
   CrossingReport run() {
     for (std::uint32_t i = 0; i < c_.points.size(); ++i) number_.emplace(c_.points[i], i);
@@ -39,7 +39,8 @@ class Resolver {
     const std::size_t most_faces = 50000 + 20 * c_.faces.size();
     for (std::size_t round = 0; round < max_rounds; ++round) {
       context_.checkpoint();
-      reach_ = round < exact_rounds ? 0 : std::ldexp(first_reach_, static_cast<int>(std::min(round - exact_rounds, reach_doublings)));
+      reach_ = round < exact_rounds ? 0
+                                    : std::min(most_reach_, std::ldexp(first_reach_, static_cast<int>(std::min(round - exact_rounds, reach_doublings))));
       find();
       if (round == 0) report.pairs = pairs_;
       report.left = pairs_;
@@ -488,7 +489,7 @@ class Resolver {
   }
 
   CrossingComplex& c_;
-  const double first_reach_;
+  const double first_reach_, most_reach_;
   Context& context_;
   std::unordered_map<GridPoint, std::uint32_t, GridHash> number_;
   std::vector<char> fresh_;  ///< faces made in the round before
@@ -505,8 +506,8 @@ class Resolver {
 
 }  // namespace
 
-CrossingReport resolve_crossings(CrossingComplex& complex, double first_reach, Context& context) {
-  return Resolver(complex, first_reach, context).run();
+CrossingReport resolve_crossings(CrossingComplex& complex, double first_reach, double most_reach, Context& context) {
+  return Resolver(complex, first_reach, most_reach, context).run();
 }
 
 }  // namespace tri

@@ -39,6 +39,7 @@ struct CrossingReport {
 /// though faces that fall together become one with `net` their sum.
 /// @param complex     points and faces may contain duplicates and faces without area at first
 /// @param first_reach grid steps within which things are taken to touch in the second round; doubled in each of the next seven
-CrossingReport resolve_crossings(CrossingComplex& complex, double first_reach, Context& context);
+/// @param most_reach  grid steps; it is never more
+CrossingReport resolve_crossings(CrossingComplex& complex, double first_reach, double most_reach, Context& context);
 
 }  // namespace tri

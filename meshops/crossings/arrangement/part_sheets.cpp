@@ -143,7 +143,11 @@ class Parter {
         lying.push_back(keys[i].second);
     std::sort(lying.begin(), lying.end());
     std::vector<VertexMove> moves;
-    for (const std::uint32_t t : lying) moves.push_back(raise(t));
+    for (const std::uint32_t t : lying) {
+      const Triangle& v = out_.triangles[t];
+      if (normal_of(out_.points[v[0]], out_.points[v[1]], out_.points[v[2]]) == GridPoint{}) out_.touching.push_back(b_.face[t]);
+      else moves.push_back(raise(t));
+    }
     out_.parted += moves.size();
     settle(moves, context);
     for (const VertexMove& m : moves)

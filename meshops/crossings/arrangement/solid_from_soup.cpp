@@ -6,9 +6,10 @@
 #include <set>
 #include <unordered_map>
 
+#include "meshops/checks/surface_reach.hpp"
+#include "meshops/crossings/arrangement/settle_moves.hpp"
 #include "meshops/crossings/triangle_pieces.hpp"
 #include "meshops/random_stream.hpp"
-#include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/search/closest_triangle.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/soup_edit.hpp"
@@ -17,8 +18,13 @@ namespace tri {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
-constexpr double first_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
-constexpr double nudge_in_reaches = 8, nudge_share = 0.05;  ///< the smaller one, the second of the deviation that is allowed
+constexpr double first_reach_share =
+    0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
+constexpr double nudge_in_reaches = 8,
+                 nudge_share = 0.05;  ///< the smaller one, the second of the deviation that is allowed
+constexpr double reach_share = 0.5;   ///< the same of how far things may be apart that are taken to touch
+constexpr double wall_share =
+    0.95;  ///< the same of what a wall that goes may be away from what stays, which may move itself
 constexpr double plate_share = 0.02;  ///< half the thickness of plates and gaps, of the deviation that is allowed
 
 std::vector<Vec3> used_points(const Soup& soup) {
@@ -40,28 +46,11 @@ double diagonal(const std::vector<GridPoint>& points) {
                     static_cast<double>(high[2] - low[2]));
 }
 
-/// Whether a triangle is nowhere farther than `reach` from others: its pieces are within it of one triangle each, as distance
-/// from a triangle is largest in a corner.
-bool lies_within(const std::array<Vec3, 3>& triangle, const ClosestTriangle& nearest, double reach) {
+ReachOfTriangle::Verdict judge_reach(const std::array<Vec3, 3>& triangle, const ClosestTriangle& nearest,
+                                     double reach) {
   constexpr std::size_t most_pieces = 200;
-  std::vector<std::array<Vec3, 3>> pieces{triangle};
   std::uint32_t hint = 0;
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const auto [a, b, c] = pieces[i];
-    const Vec3 middle = (a + b + c) / 3.0;
-    const ClosestTriangle::Hit hit = nearest.closest(middle, hint);
-    hint = hit.triangle;
-    if (hit.distance > reach) return false;
-    const double radius = std::sqrt(std::max({(a - middle).sqrnorm(), (b - middle).sqrnorm(), (c - middle).sqrnorm()}));
-    if (hit.distance + radius <= reach) continue;
-    const std::array<Vec3, 3>& near = nearest.corners(hit.triangle);
-    const auto within = [&](const Vec3& p) { return (closest_on_triangle(near, p) - p).norm() <= reach; };
-    if (within(a) && within(b) && within(c)) continue;
-    if (pieces.size() + 4 > most_pieces) return false;
-    const Vec3 ab = (a + b) / 2.0, bc = (b + c) / 2.0, ca = (c + a) / 2.0;
-    pieces.insert(pieces.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-  }
-  return true;
+  return reach_of(triangle, nearest, reach, most_pieces, hint).verdict;
 }
 
 /// Moves all points of each part, or each point, in a direction of its own, by up to `farthest` grid steps.
@@ -80,8 +69,13 @@ void nudge(CrossingComplex& complex, double farthest, bool each) {
 
 }  // namespace
 
-SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest)
-    : soup_(soup), max_deviation_(max_deviation), keep_walls_(keep_walls), frame_(used_points(soup), finest) {}
+SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest,
+                             std::vector<std::uint32_t>& fillings)
+    : soup_(soup),
+      max_deviation_(max_deviation),
+      keep_walls_(keep_walls),
+      fillings_(fillings),
+      frame_(used_points(soup), finest) {}
 
 void SolidFromSoup::take_triangles(Report& report) {
   std::map<GridPoint, std::uint32_t> numbers;
@@ -89,6 +83,7 @@ void SolidFromSoup::take_triangles(Report& report) {
   std::vector<Triangle> taken;
   std::map<Triangle, std::uint32_t> seen;
   double flat = 0, duplicates = 0;
+  const auto filling = [&](std::uint32_t t) { return std::binary_search(fillings_.begin(), fillings_.end(), t); };
   for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
     Triangle t;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -106,9 +101,12 @@ void SolidFromSoup::take_triangles(Report& report) {
     }
     Triangle sorted = t;
     std::sort(sorted.begin(), sorted.end());
-    if (repeats_vertex(t)) ++flat;
-    else if (!seen.emplace(sorted, i).second) ++duplicates;
-    else {
+    if (repeats_vertex(t))
+      ++flat;
+    else if (const auto [it, added] = seen.emplace(sorted, i); !added) {
+      ++duplicates;
+      if (!filling(i)) std::erase(fillings_, it->second);
+    } else {
       taken.push_back(t);
       triangle_of_given_.push_back(i);
     }
@@ -133,7 +131,9 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
   closed_ = close_surface(places, given, context);
   done(0.1);
   for (std::uint32_t t = 0; t < closed_.triangles.size(); ++t)
-    complex_.faces.push_back({closed_.triangles[t], t, 1, t < closed_.given});
+    complex_.faces.push_back(
+        {closed_.triangles[t], t, 1,
+         t < closed_.given && !std::binary_search(fillings_.begin(), fillings_.end(), triangle_of_given_[t])});
   const CrossingReport crossings = cut_along_crossings(report, context);
   done(0.6);
   const CellLabels labels = label_cells(complex_, closed_.cavity, context);
@@ -157,18 +157,19 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
   return contacts;
 }
 
-/// Faces that lie nearly upon each other can make rounding and cutting go on for ever: then parts are first moved a little
-/// against each other, and if that is not enough every point.
+/// Faces that lie nearly upon each other can make rounding and cutting go on for ever: then parts are first moved a
+/// little against each other, and if that is not enough every point.
 CrossingReport SolidFromSoup::cut_along_crossings(Report& report, Context& context) {
   const CrossingComplex given = complex_;
   const double reach = frame_.steps_in(first_reach_share);
-  CrossingReport best = resolve_crossings(complex_, reach, context);
-  const double farthest = std::min(nudge_in_reaches * reach, nudge_share * max_deviation_ * diagonal(given.points));
+  const double allowed = max_deviation_ * diagonal(given.points), most_reach = reach_share * allowed;
+  CrossingReport best = resolve_crossings(complex_, reach, most_reach, context);
+  const double farthest = std::min(nudge_in_reaches * reach, nudge_share * allowed);
   for (const bool each : {false, true}) {
     if (best.left == 0 || farthest < reach) break;
     CrossingComplex nudged = given;
     nudge(nudged, farthest, each);
-    const CrossingReport now = resolve_crossings(nudged, reach, context);
+    const CrossingReport now = resolve_crossings(nudged, reach, most_reach, context);
     if (now.left >= best.left) continue;
     best = now;
     complex_ = std::move(nudged);
@@ -184,8 +185,10 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
   std::vector<std::uint32_t> walls;
   std::vector<Triangle> stays;
   for (std::uint32_t f = 0; f < n; ++f) {
-    if (labels.inside[f][0] != labels.inside[f][1]) stays.push_back(complex_.faces[f].v);
-    else if (complex_.faces[f].original) walls.push_back(f);
+    if (labels.inside[f][0] != labels.inside[f][1])
+      stays.push_back(complex_.faces[f].v);
+    else if (complex_.faces[f].original)
+      walls.push_back(f);
   }
   if (!keep_walls_ || walls.empty()) return keep;
   if (stays.empty()) {
@@ -193,9 +196,8 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
     return keep;
   }
   std::vector<Vec3> places;
-  for (const GridPoint& p : complex_.points)
-    places.emplace_back(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
-  const double reach = max_deviation_ * diagonal(complex_.points);
+  for (const GridPoint& p : complex_.points) places.push_back(vector_of(p));
+  const double reach = wall_share * max_deviation_ * diagonal(complex_.points);
   const ClosestTriangle nearest(places, stays);
   std::vector<char> far(walls.size(), 0);
   DisjointSets sheets(walls.size());
@@ -203,7 +205,8 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
   for (std::uint32_t i = 0; i < walls.size(); ++i) {
     if (i % 1024 == 0) context.checkpoint();
     const Triangle& v = complex_.faces[walls[i]].v;
-    far[i] = !lies_within({places[v[0]], places[v[1]], places[v[2]]}, nearest, reach);
+    far[i] =
+        judge_reach({places[v[0]], places[v[1]], places[v[2]]}, nearest, reach) != ReachOfTriangle::Verdict::within;
     if (labels.inside[walls[i]][0]) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t p = v[k], q = v[(k + 1) % 3];
@@ -218,27 +221,58 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
   return keep;
 }
 
-/// Sheets that cannot be parted go, so that nothing touches.
+/// Sheets that cannot be parted go where they are near to what stays, so that nothing touches.
 PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels, Report& report, Context& context) {
   SolidBoundaryOptions options{walls_to_keep(labels, context)};
   const double height = std::max(1.0, plate_share * max_deviation_ * diagonal(complex_.points));
   constexpr int tries = 6;
   std::size_t contacts = 0;
   SheetMemory memory;
+  std::vector<char> must_stay(complex_.faces.size(), 0);
   for (int i = 0;; ++i) {
-    if (i == tries) std::fill(options.keep_walls.begin(), options.keep_walls.end(), 0);
     const SolidBoundary boundary = solid_boundary(complex_, labels, options, context);
     PlacedBoundary placed = part_sheets(complex_, boundary, height, memory, context);
+    std::erase_if(placed.touching, [&](std::uint32_t f) { return must_stay[f] != 0; });
     if (!placed.touching.empty() && i < tries) {
-      contacts += placed.touching.size();
-      for (const std::uint32_t f : placed.touching) options.keep_walls[f] = 0;
-      continue;
+      const std::size_t dropped = drop_where_near(placed.touching, boundary, options.keep_walls, must_stay);
+      contacts += dropped;
+      if (dropped > 0) continue;
     }
-    if (boundary.dropped_walls > 0) report.figures["faces inside dropped"] = static_cast<double>(boundary.dropped_walls);
+    if (boundary.dropped_walls > 0)
+      report.figures["faces inside dropped"] = static_cast<double>(boundary.dropped_walls);
     if (boundary.doubled > 0) report.figures["faces kept as thin walls"] = static_cast<double>(boundary.doubled);
     if (contacts > 0) report.figures["walls dropped because their sides would touch"] = static_cast<double>(contacts);
     return placed;
   }
+}
+
+/// Drops those walls that are near to all the others that the boundary has; the others must stay.
+std::size_t SolidFromSoup::drop_where_near(const std::vector<std::uint32_t>& walls, const SolidBoundary& boundary,
+                                           std::vector<char>& keep_walls, std::vector<char>& must_stay) const {
+  for (const std::uint32_t f : walls) keep_walls[f] = 0;
+  std::vector<Vec3> places;
+  for (const GridPoint& p : complex_.points) places.push_back(vector_of(p));
+  std::vector<Triangle> stays;
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t)
+    if (const std::uint32_t f = boundary.face[t]; boundary.sheet[t] == 0 || keep_walls[f])
+      stays.push_back(complex_.faces[f].v);
+  std::size_t dropped = walls.size();
+  const auto keep = [&](std::uint32_t f) {
+    keep_walls[f] = must_stay[f] = 1;
+    --dropped;
+  };
+  if (stays.empty()) {
+    std::ranges::for_each(walls, keep);
+    return dropped;
+  }
+  const ClosestTriangle nearest(places, stays);
+  const double reach = wall_share * max_deviation_ * diagonal(complex_.points);
+  for (const std::uint32_t f : walls) {
+    const Triangle& v = complex_.faces[f].v;
+    if (judge_reach({places[v[0]], places[v[1]], places[v[2]]}, nearest, reach) == ReachOfTriangle::Verdict::beyond)
+      keep(f);
+  }
+  return dropped;
 }
 
 /// Parts in which nothing was cut or parted keep their coordinates, unless that makes something cross.
@@ -260,7 +294,8 @@ std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
     if (touched[labels.part[boundary.face[t]]]) continue;
     for (const std::uint32_t v : boundary.triangles[t])
-      if (boundary.point[v] < vertex_of_point_.size() && !boundary.moved[v]) restored[v] = soup_.points[vertex_of_point_[boundary.point[v]]];
+      if (boundary.point[v] < vertex_of_point_.size() && !boundary.moved[v])
+        restored[v] = soup_.points[vertex_of_point_[boundary.point[v]]];
   }
   contacts = surface_contacts(restored, boundary.triangles, context);
   if (contacts.none() || restored == places) return restored;
@@ -279,7 +314,10 @@ void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3
     for (std::uint32_t& c : within) c = vertex_of_point_[c];
     pieces.triangles.push_back({boundary.triangles[t], within, triangle_of_given_[closed_.source[piece_of]]});
   }
-  replace_by_pieces(soup_, pieces, report);
+  const std::vector<std::uint32_t> piece = replace_by_pieces(soup_, pieces, report);
+  fillings_.clear();
+  for (std::uint32_t t = 0; t < piece.size(); ++t)
+    if (!complex_.faces[boundary.face[piece[t]]].original) fillings_.push_back(t);
 }
 
 }  // namespace tri

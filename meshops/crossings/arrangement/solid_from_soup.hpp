@@ -20,7 +20,9 @@ class SolidFromSoup {
  public:
   /// @param max_deviation share of the diagonal
   /// @param finest        as of `GridFrame`
-  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest);
+  /// @param fillings      triangles of the soup, increasing, that close holes: they need not stay; afterwards those of
+  /// the result. It and the soup must outlive this object.
+  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, std::vector<std::uint32_t>& fillings);
 
   /// Changes the soup at the end.
   /// @return what still meets: nothing, but for rounding
@@ -31,6 +33,8 @@ class SolidFromSoup {
   CrossingReport cut_along_crossings(Report& report, Context& context);
   std::vector<char> walls_to_keep(const CellLabels& labels, Context& context) const;
   PlacedBoundary boundary_without_contacts(const CellLabels& labels, Report& report, Context& context);
+  std::size_t drop_where_near(const std::vector<std::uint32_t>& walls, const SolidBoundary& boundary,
+                              std::vector<char>& keep_walls, std::vector<char>& must_stay) const;
   void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report);
   std::vector<Vec3> places_of(const PlacedBoundary& boundary, const CellLabels& labels, SurfaceContacts& contacts,
                               Context& context) const;
@@ -38,6 +42,7 @@ class SolidFromSoup {
   Soup& soup_;
   double max_deviation_;
   bool keep_walls_;
+  std::vector<std::uint32_t>& fillings_;
   GridFrame frame_;
   CrossingComplex complex_;
   std::vector<std::uint32_t> vertex_of_point_;    ///< of the complex's points: the soup's
