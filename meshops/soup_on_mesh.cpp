@@ -212,7 +212,7 @@ class Replacement {
   void copy_corners(FaceHandle from, FaceHandle to) {
     for (auto it = made_.hprops_begin(); it != made_.hprops_end(); ++it) {
       const auto* source = dynamic_cast<const OpenMesh::PropertyT<double>*>(*it);
-      if (!source || !source->name().rfind("h:", 0) == 0) continue;
+      if (!source || !source->name().starts_with("h:")) continue;
       OpenMesh::HPropHandleT<double> as_double;
       OpenMesh::HPropHandleT<float> as_float;
       const bool doubles = mesh_.get_property_handle(as_double, source->name());

@@ -3,21 +3,23 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <optional>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "meshops/editing/label_property.hpp"
+#include "meshops/editing/number_properties.hpp"
 
 namespace tri {
 namespace {
 
 using OpenMesh::PropertyT;
 using Indices = std::span<const std::uint32_t>;
-
-constexpr const char* normals_name = "v:normals";
-constexpr const char* colors_name = "v:colors";
 
 template <class Visit>
 void for_all(std::size_t n, const Visit& visit) {
@@ -26,55 +28,99 @@ void for_all(std::size_t n, const Visit& visit) {
   });
 }
 
-/// One number per element that stays, if `property` holds numbers.
-std::optional<std::vector<double>> numbers(const OpenMesh::BaseProperty& property, Indices elements) {
-  const auto gather = [&](const auto& typed) {
-    std::vector<double> values(elements.size());
-    for_all(elements.size(), [&](std::size_t k) { values[k] = static_cast<double>(typed[static_cast<int>(elements[k])]); });
-    return values;
-  };
-  if (const auto* p = dynamic_cast<const PropertyT<double>*>(&property)) return gather(*p);
-  if (const auto* p = dynamic_cast<const PropertyT<float>*>(&property)) return gather(*p);
-  if (const auto* p = dynamic_cast<const PropertyT<int>*>(&property)) return gather(*p);
-  return std::nullopt;
+using Scalars = std::map<std::string, std::vector<double>>;
+
+/// One number per element that stays.
+std::vector<double> gather(Indices elements, const auto& number) {
+  std::vector<double> values(elements.size());
+  for_all(elements.size(), [&](std::size_t k) { values[k] = static_cast<double>(number(static_cast<int>(elements[k]))); });
+  return values;
 }
 
-template <class Vector>
+/// Numbers become the scalar `name`, vectors a scalar for each of their numbers. @return whether the property holds such
+bool add_scalars(const OpenMesh::BaseProperty& property, const std::string& name, Indices elements, Scalars& scalars,
+                 std::span<const char* const> columns = {}) {
+  return visit_numbers(property, [&](const auto& typed) { scalars[name] = gather(elements, [&](int i) { return typed[i]; }); }) ||
+         visit_rows(property, [&](const auto& typed) {
+           using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
+           for (int k = 0; k < row_size<Row>; ++k) {
+             const bool named = static_cast<int>(columns.size()) == row_size<Row>;
+             scalars[named ? columns[static_cast<std::size_t>(k)] : name + "_" + std::to_string(k)] =
+                 gather(elements, [&](int i) { return typed[i][k]; });
+           }
+         });
+}
+
+constexpr std::array uv_columns{"u", "v"}, texture_columns{"s", "t"};
+
+/// The names of the columns of vectors that have a meaning; none for others.
+std::span<const char* const> columns_of(std::string_view name) {
+  if (name == "uv") return uv_columns;
+  if (name == "texcoords2D") return texture_columns;
+  return {};
+}
+
+/// Red, green, blue, and alpha if anything is not opaque, in [0,255]; nothing if that is not what the property holds.
+std::vector<std::vector<double>> color_columns(const OpenMesh::BaseProperty& property, Indices elements) {
+  std::vector<std::vector<double>> columns;
+  visit_rows(property, [&](const auto& typed) {
+    using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
+    if constexpr (row_size<Row> == 3 || row_size<Row> == 4) {
+      constexpr double top = std::is_floating_point_v<RowNumber<Row>> ? 1 : 255;
+      for (int k = 0; k < row_size<Row>; ++k) {
+        auto& column = columns.emplace_back(gather(elements, [&](int i) { return typed[i][k]; }));
+        if (!std::ranges::all_of(column, [](double c) { return c >= 0 && c <= top; })) return columns.clear();
+        for (double& c : column) c = std::round(c * (255 / top));
+      }
+    }
+  });
+  if (columns.size() == 4 && std::ranges::all_of(columns[3], [](double a) { return a == 255; })) columns.pop_back();
+  return columns;
+}
+
 bool gather_normals(const OpenMesh::BaseProperty& property, Indices vertices, Soup& soup) {
-  const auto* typed = dynamic_cast<const PropertyT<Vector>*>(&property);
-  if (!typed) return false;
-  for (const std::uint32_t i : vertices) {
-    const Vector& n = (*typed)[static_cast<int>(i)];
-    soup.vertex_normals.emplace_back(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
-  }
-  return true;
+  bool gathered = false;
+  visit_rows(property, [&](const auto& typed) {
+    using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
+    if constexpr (row_size<Row> == 3) {
+      gathered = true;
+      for (const std::uint32_t i : vertices) {
+        const auto& n = typed[static_cast<int>(i)];
+        soup.vertex_normals.emplace_back(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+      }
+    }
+  });
+  return gathered;
 }
 
 void gather_vertex_property(const OpenMesh::BaseProperty& property, Indices vertices, Soup& soup) {
-  const std::string& name = property.name();
-  if (name == normals_name) {
-    if (!gather_normals<Vec3>(property, vertices, soup)) gather_normals<OpenMesh::Vec3f>(property, vertices, soup);
-  } else if (name == colors_name) {
-    if (const auto* colors = dynamic_cast<const PropertyT<OpenMesh::Vec3uc>*>(&property)) {
-      for (const std::uint32_t i : vertices) {
-        const OpenMesh::Vec3uc& c = (*colors)[static_cast<int>(i)];
-        soup.vertex_colors.push_back({c[0], c[1], c[2]});
-      }
+  if (!property.name().starts_with("v:")) return;
+  const std::string name = property.name().substr(2);
+  if (name == "points" || (name == "normals" && gather_normals(property, vertices, soup))) return;
+  if (name == "colors") {
+    if (auto c = color_columns(property, vertices); !c.empty()) {
+      soup.vertex_colors.resize(vertices.size());
+      for (std::size_t i = 0; i < vertices.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) soup.vertex_colors[i][k] = static_cast<std::uint8_t>(c[k][i]);
+      if (c.size() == 4) soup.vertex_scalars["alpha"] = std::move(c[3]);
+      return;
     }
-  } else if (name == property::uv) {
-    if (const auto* uv = dynamic_cast<const PropertyT<Vec2>*>(&property)) {
-      std::vector<double>&u = soup.vertex_scalars["u"], &v = soup.vertex_scalars["v"];
-      u.resize(vertices.size());
-      v.resize(vertices.size());
-      for_all(vertices.size(), [&](std::size_t k) {
-        const Vec2& place = (*uv)[static_cast<int>(vertices[k])];
-        u[k] = place[0];
-        v[k] = place[1];
-      });
-    }
-  } else if (name.starts_with("v:")) {
-    if (auto values = numbers(property, vertices)) soup.vertex_scalars[name.substr(2)] = std::move(*values);
   }
+  add_scalars(property, name, vertices, soup.vertex_scalars, columns_of(name));
+}
+
+void gather_face_property(const OpenMesh::BaseProperty& property, Indices faces, Soup& soup) {
+  if (!property.name().starts_with("f:")) return;
+  const std::string name = property.name().substr(2);
+  if (name == "normals") return;
+  if (name == "colors") {
+    if (auto c = color_columns(property, faces); !c.empty()) {
+      constexpr std::array channels{"red", "green", "blue", "alpha"};
+      for (std::size_t k = 0; k < c.size(); ++k) soup.face_scalars[channels[k]] = std::move(c[k]);
+      return;
+    }
+  }
+  add_scalars(property, name, faces, soup.face_scalars, columns_of(name));
 }
 
 }  // namespace
@@ -105,10 +151,8 @@ Soup to_soup(const MeshView& view) {
   });
   for (auto it = mesh.vprops_begin(); it != mesh.vprops_end(); ++it)
     if (*it) gather_vertex_property(**it, vertices, soup);
-  for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it) {
-    if (!*it || !(*it)->name().starts_with("f:")) continue;
-    if (auto values = numbers(**it, faces)) soup.face_scalars[(*it)->name().substr(2)] = std::move(*values);
-  }
+  for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it)
+    if (*it) gather_face_property(**it, faces, soup);
   std::vector<std::uint32_t> corners;  // half-edges
   for (auto it = mesh.hprops_begin(); it != mesh.hprops_end(); ++it) {
     if (!*it || !(*it)->name().starts_with("h:")) continue;
@@ -117,7 +161,8 @@ Soup to_soup(const MeshView& view) {
       HalfedgeHandle h = mesh.prev_halfedge_handle(first);  // ends in the first corner
       for (int k = 0; k < 3; ++k, h = mesh.next_halfedge_handle(h)) corners.push_back(static_cast<std::uint32_t>(h.idx()));
     }
-    if (auto values = numbers(**it, corners)) soup.corner_scalars[(*it)->name().substr(2)] = std::move(*values);
+    const std::string name = (*it)->name().substr(2);
+    add_scalars(**it, name, corners, soup.corner_scalars, columns_of(name));
   }
   for (auto it = mesh.mprops_begin(); it != mesh.mprops_end(); ++it) {
     if (!*it || !(*it)->name().starts_with(property::labels)) continue;

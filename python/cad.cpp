@@ -18,6 +18,7 @@
 #include "libtri/sampling/virtual_measurement.hpp"
 #include "libtri/triangulation/triangulate.hpp"
 #include "python/call.hpp"
+#include "python/choices.hpp"
 #include "python/convert.hpp"
 #include "python/held.hpp"
 #include "python/module.hpp"
@@ -62,10 +63,6 @@ class MeasuredPoints {
   std::optional<HeldPoints::Reading> reading_;
   PointSet copy_;
 };
-
-[[noreturn]] void refuse(const char* name, const std::string& value, const char* allowed) {
-  throw InvalidInput(std::string(name) + " = " + value + " is not allowed; allowed: " + allowed);
-}
 
 Model read_model(const std::filesystem::path& path, double sew, const py::object& progress, int threads) {
   Call call(progress, threads);
@@ -133,16 +130,9 @@ py::tuple triangulate_points(const Model& model, const py::object& points, const
                              const std::string& unmeasured, double hole_size, std::optional<double> outlier_distance,
                              bool patches, const py::object& progress, int threads) {
   TriangulateOptions options;
-  if (method == "patches")
-    options.method = Method::patches;
-  else if (method == "shell")
-    options.method = Method::shell;
-  else if (method != "auto")
-    refuse("method", method, "auto, patches, shell");
-  if (unmeasured == "span")
-    options.unmeasured = Unmeasured::span;
-  else if (unmeasured != "hole")
-    refuse("unmeasured", unmeasured, "hole, span");
+  options.method = choice<Method>("method", method,
+                                  {{"auto", Method::automatic}, {"patches", Method::patches}, {"shell", Method::shell}});
+  options.unmeasured = choice<Unmeasured>("unmeasured", unmeasured, {{"hole", Unmeasured::hole}, {"span", Unmeasured::span}});
   options.hole_size = hole_size;
   options.outlier_distance = outlier_distance;
   options.keep_patches = patches;
@@ -165,10 +155,7 @@ py::tuple align_points(const Model& model, const py::object& points, const std::
   AlignOptions options;
   options.mode = align_mode(mode);
   if (!start.is_none()) options.start = pose_of(to_matrix(start));
-  if (metric == "point")
-    options.metric = Metric::point;
-  else if (metric != "plane")
-    refuse("metric", metric, "plane, point");
+  options.metric = choice<Metric>("metric", metric, {{"plane", Metric::plane}, {"point", Metric::point}});
   options.keep = keep;
   options.probe_radius = probe_radius;
   options.seed = seed;

@@ -9,6 +9,7 @@
 #include "meshops/repair.hpp"
 #include "meshops/to_soup.hpp"
 #include "python/call.hpp"
+#include "python/choices.hpp"
 #include "python/convert.hpp"
 #include "python/held.hpp"
 #include "python/module.hpp"
@@ -62,12 +63,8 @@ py::object distance(const py::object& first, const py::object& second, std::opti
 
 py::object repair_soup(HeldSoup& held, const std::string& goal, double max_deviation, const py::object& progress, int threads) {
   RepairOptions options;
-  if (goal == "solid")
-    options.goal = RepairGoal::solid;
-  else if (goal == "surface")
-    options.goal = RepairGoal::surface;
-  else if (goal != "auto")
-    throw InvalidInput("goal = " + goal + " is not allowed; allowed: auto, solid, surface");
+  options.goal = choice<RepairGoal>(
+      "goal", goal, {{"auto", RepairGoal::automatic}, {"solid", RepairGoal::solid}, {"surface", RepairGoal::surface}});
   options.max_deviation = max_deviation;
   const HeldSoup::Changing soup(held);
   Call call(progress, threads);

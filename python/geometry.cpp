@@ -4,8 +4,11 @@
 #include <optional>
 
 #include "meshops/build_mesh.hpp"
+#include "meshops/editing/number_properties.hpp"
+#include "meshops/holes/boundary_loops.hpp"
 #include "meshops/to_soup.hpp"
 #include "python/call.hpp"
+#include "python/change.hpp"
 #include "python/convert.hpp"
 #include "python/held.hpp"
 #include "python/module.hpp"
@@ -60,16 +63,25 @@ std::shared_ptr<HeldMesh> mesh_of(const Soup& soup) {
   return held;
 }
 
-template <class T>
-bool add_view(py::dict& views, const std::string& name, const std::shared_ptr<Mesh>& owner,
-              const OpenMesh::BaseProperty* property) {
-  const auto* typed = dynamic_cast<const OpenMesh::PropertyT<T>*>(property);
-  if (!typed) return false;
-  if constexpr (std::is_arithmetic_v<T>)
-    views[py::str(name)] = view_of_rows<T>(owner, typed->data(), typed->n_elements(), 0);
-  else
-    views[py::str(name)] = view_of_rows<double>(owner, typed->data(), typed->n_elements(), T::size());
-  return true;
+/// Views of the numbers and vectors of a property, under a name; a copy of bools, which are packed.
+void add_view(py::dict& views, const std::string& name, const std::shared_ptr<Mesh>& owner,
+              const OpenMesh::BaseProperty& property) {
+  const py::str key(name);
+  visit_numbers(property, [&](const auto& typed) {
+    using T = typename std::remove_cvref_t<decltype(typed)>::value_type;
+    const std::size_t n = typed.n_elements();
+    if constexpr (std::is_same_v<T, bool>) {
+      py::array_t<bool> copy(static_cast<py::ssize_t>(n));
+      for (std::size_t i = 0; i < n; ++i) copy.mutable_at(i) = typed[static_cast<int>(i)];
+      views[key] = copy;
+    } else {
+      views[key] = view_of_rows<T>(owner, typed.data(), n, 0);
+    }
+  });
+  visit_rows(property, [&](const auto& typed) {
+    using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
+    views[key] = view_of_rows<RowNumber<Row>>(owner, typed.data(), typed.n_elements(), row_size<Row>);
+  });
 }
 
 /// The properties "v:NAME" (or with another prefix) of numbers and vectors, by NAME.
@@ -81,9 +93,7 @@ py::dict property_views(const std::shared_ptr<Mesh>& owner, Iterator begin, Iter
     if (!property || !property->name().starts_with(prefix)) continue;
     const std::string name = property->name().substr(prefix.size());
     if (name == "points" || name == "status" || name == "connectivity") continue;
-    add_view<double>(views, name, owner, property) || add_view<int>(views, name, owner, property) ||
-        add_view<float>(views, name, owner, property) || add_view<Vec2>(views, name, owner, property) ||
-        add_view<Vec3>(views, name, owner, property);
+    add_view(views, name, owner, *property);
   }
   return views;
 }
@@ -107,12 +117,35 @@ py::array_t<std::uint32_t> faces_of(const Mesh& mesh) {
   return copy_of_rows<std::uint32_t>(corners, 3);
 }
 
+/// Indices of the elements of a kind that are deleted, or of the others.
 template <class Handle>
-py::array_t<std::uint32_t> deleted(const Mesh& mesh, std::size_t count) {
+py::array_t<std::uint32_t> indices_of(const Mesh& mesh, std::size_t count, bool deleted) {
   std::vector<std::uint32_t> indices;
   for (std::size_t i = 0; i < count; ++i)
-    if (mesh.status(Handle(static_cast<int>(i))).deleted()) indices.push_back(static_cast<std::uint32_t>(i));
+    if (mesh.status(Handle(static_cast<int>(i))).deleted() == deleted) indices.push_back(static_cast<std::uint32_t>(i));
   return copy_of_rows<std::uint32_t>(indices, 0);
+}
+
+py::array_t<std::uint32_t> halfedges_of(const Mesh& mesh) {
+  std::vector<std::uint32_t> ends;
+  ends.reserve(2 * mesh.n_halfedges());
+  for (std::size_t i = 0; i < mesh.n_halfedges(); ++i) {
+    const HalfedgeHandle h(static_cast<int>(i));
+    ends.push_back(static_cast<std::uint32_t>(mesh.from_vertex_handle(h).idx()));
+    ends.push_back(static_cast<std::uint32_t>(mesh.to_vertex_handle(h).idx()));
+  }
+  return copy_of_rows<std::uint32_t>(ends, 2);
+}
+
+py::list loops_of(const HeldMesh& held) {
+  const HeldMesh::Reading mesh(held);
+  py::list loops;
+  for (const auto& cycle : boundary_cycles(view_of(const_cast<Mesh&>(*mesh)))) {  // reads
+    std::vector<std::uint32_t> indices;
+    for (const HalfedgeHandle h : cycle) indices.push_back(static_cast<std::uint32_t>(h.idx()));
+    loops.append(copy_of_rows<std::uint32_t>(indices, 0));
+  }
+  return loops;
 }
 
 template <class H, class T, class Class>
@@ -174,6 +207,19 @@ void add_soup(py::module_& module) {
   type.def_property_readonly(
       "face_scalars", [](const HeldSoup& p) { const auto s = p.share(); return scalar_views(s, s->face_scalars); },
       "Values of triangles by name, each (m,) float64, no copy.");
+  type.def_property_readonly(
+      "corner_scalars",
+      [](const HeldSoup& p) {
+        const auto s = p.share();
+        py::dict views;
+        for (const auto& [name, values] : s->corner_scalars)
+          views[py::str(name)] = view_of_rows<double>(s, values.data(), values.size() / 3, 3);
+        return views;
+      },
+      "Values of the corners of triangles by name, say texture coordinates \"s\" and \"t\", each (m, 3) float64, no copy.");
+  type.def_property_readonly(
+      "face_labels", [](const HeldSoup& p) { return p.share()->face_labels; },
+      "What the whole values of the face scalar of a name stand for: {\"group\": [\"lid\", \"base\"]}. A copy.");
   type.def("to_mesh",
            [](const HeldSoup& soup) { return mesh_of(*HeldSoup::Reading(soup)); },
            "A Mesh of the triangles: oriented, split where they are not manifold; its build_report says what was done.");
@@ -208,17 +254,28 @@ void add_mesh(py::module_& module) {
       "face_properties",
       [](const HeldMesh& m) { const auto s = m.share(); return property_views(s, s->fprops_begin(), s->fprops_end(), "f:"); },
       "Properties of faces by name, deleted faces included, no copy.");
-  type.def_property_readonly("deleted_vertices", [](const HeldMesh& m) { const auto s = m.share(); return deleted<VertexHandle>(*s, s->n_vertices()); },
-                             "Indices of vertices that are marked as deleted.");
-  type.def_property_readonly("deleted_faces", [](const HeldMesh& m) { const auto s = m.share(); return deleted<FaceHandle>(*s, s->n_faces()); },
-                             "Indices of faces that are marked as deleted.");
+  type.def_property_readonly(
+      "face_indices", [](const HeldMesh& m) { const auto s = m.share(); return indices_of<FaceHandle>(*s, s->n_faces(), false); },
+      "(m,) uint32: the index of the face in each row of faces, as selections and notes of changes name it.");
+  type.def_property_readonly("halfedges", [](const HeldMesh& m) { return halfedges_of(*m.share()); },
+                             "(h, 2) uint32: the vertices from which and to which each half-edge goes, deleted ones included: a copy.");
+  type.def_property_readonly("boundary_loops", &loops_of,
+                             "A list with an array for each boundary loop: the indices of its half-edges, in order.");
+  type.def_property_readonly(
+      "deleted_vertices", [](const HeldMesh& m) { const auto s = m.share(); return indices_of<VertexHandle>(*s, s->n_vertices(), true); },
+      "Indices of vertices that are marked as deleted.");
+  type.def_property_readonly(
+      "deleted_faces", [](const HeldMesh& m) { const auto s = m.share(); return indices_of<FaceHandle>(*s, s->n_faces(), true); },
+      "Indices of faces that are marked as deleted.");
   type.def("to_soup",
            [](const HeldMesh& mesh) {
              // The view is not written to: `to_soup` reads.
              auto soup = std::make_shared<Soup>(to_soup(view_of(const_cast<Mesh&>(*HeldMesh::Reading(mesh)))));
              return std::make_shared<HeldSoup>(std::move(soup));
            },
-           "The points and triangles that are not deleted, with their properties.");
+           "The points and triangles that are not deleted, with their properties: numbers as scalars, vectors as one scalar\n"
+           "for each number (force_0, force_1, …), colours, normals and texture coordinates as those of the Soup.");
+  add_recording(type);
   type.def("__repr__", [](const HeldMesh& m) {
     const auto s = m.share();
     std::size_t faces = 0;

@@ -6,9 +6,12 @@
 #include "meshops/pipeline.hpp"
 #include "meshops/registry.hpp"
 #include "python/call.hpp"
+#include "python/change.hpp"
 #include "python/convert.hpp"
 #include "python/held.hpp"
 #include "python/module.hpp"
+#include "python/report_dict.hpp"
+#include "python/selection.hpp"
 
 namespace tri::python {
 namespace {
@@ -18,22 +21,6 @@ struct HeldRegistry {
   Registry registry = Registry::standard();
 };
 
-py::object report_dict(const Report& report) {
-  py::dict dict = to_python(tri::to_json(report));
-  dict["touched_vertices"] = copy_of_rows<std::uint32_t>(report.touched_vertices, 0);
-  dict["touched_faces"] = copy_of_rows<std::uint32_t>(report.touched_faces, 0);
-  if (!report.maps.empty()) {
-    py::dict maps;
-    maps["vertices"] = copy_of_rows<std::uint32_t>(report.maps.vertices, 0);
-    maps["edges"] = copy_of_rows<std::uint32_t>(report.maps.edges, 0);
-    maps["faces"] = copy_of_rows<std::uint32_t>(report.maps.faces, 0);
-    dict["maps"] = maps;
-  }
-  dict["unchanged"] = report.unchanged();
-  return dict;
-}
-
-MeshView editable(Mesh& mesh) { return view_of(mesh); }
 Soup& editable(Soup& soup) { return soup; }
 PointSet& editable(PointSet& points) { return points; }
 
@@ -43,16 +30,34 @@ py::object run_on(const Operator& op, const py::object& object, const void* opti
   return report_dict(call.run([&](Context& context) { return op.run(editable(*value), options, context); }));
 }
 
-/// In place on an object of the operator's domain.
+/// On all of a mesh or a selection, recorded if the mesh is.
+py::object run_on_mesh_object(const Operator& op, HeldMesh& held, const py::object& selection, const void* options, Call& call) {
+  const HeldMesh::Changing value(held);
+  const std::optional<Selection> part = selection_of(*value, selection);
+  MeshView view = view_of(*value);
+  view.selection = part ? &*part : nullptr;
+  const std::shared_ptr<Change> recording = held.recording.lock();
+  if (!recording)
+    return report_dict(call.run([&](Context& context) { return op.run(view, options, context); }));
+  ChangeSet change = call.run([&](Context& context) {
+    return record(view, [&](MeshView recorded) { return op.run(recorded, options, context); });
+  });
+  const py::object report = report_dict(change.reports().front());
+  recording->add(std::move(change));
+  return report;
+}
+
+/// In place on an object of the operator's domain; one on soups also on a mesh.
 py::object run_operator(const HeldRegistry& held, const std::string& name, const py::object& object, const py::dict& options,
-                        const py::object& progress, int threads) {
+                        const py::object& selection, const py::object& progress, int threads) {
   const Registry registry = held.registry;  // kept while it runs
   const Operator& op = registry.at(name);
   const std::shared_ptr<void> own = op.schema().make();
   for (const auto& [key, value] : options)
     if (!value.is_none()) op.schema().set_json(own.get(), key.cast<std::string>(), to_json(value));
   Call call(progress, threads);
-  if (py::isinstance<HeldMesh>(object)) return run_on<HeldMesh>(op, object, own.get(), call);
+  if (py::isinstance<HeldMesh>(object)) return run_on_mesh_object(op, object.cast<HeldMesh&>(), selection, own.get(), call);
+  if (!selection.is_none()) throw InvalidInput(name + ": a selection is of a Mesh, and this is none");
   if (py::isinstance<HeldSoup>(object)) return run_on<HeldSoup>(op, object, own.get(), call);
   if (py::isinstance<HeldPoints>(object)) return run_on<HeldPoints>(op, object, own.get(), call);
   throw py::type_error(name + " needs a Mesh, a Soup or Points");
@@ -108,7 +113,7 @@ void add_operators(py::module_& module) {
       .def("describe", [](const HeldRegistry& held) { return to_python(held.registry.describe()); },
            "A list with a dict for each operator: name, domain, result, summary, options.");
   module.def("run_operator", &run_operator, py::arg("registry"), py::arg("name"), py::arg("object"), py::arg("options"),
-             py::arg("progress"), py::arg("threads"), "Runs one operator in place.");
+             py::arg("selection"), py::arg("progress"), py::arg("threads"), "Runs one operator in place.");
   module.def("run_recipe", &run_recipe, py::arg("registry"), py::arg("object"), py::arg("recipe"), py::arg("progress"),
              py::arg("threads"), "Runs a recipe on a copy; returns what came out and the reports.");
 }

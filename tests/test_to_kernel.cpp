@@ -58,6 +58,7 @@ TEST_CASE("to_kernel: links, positions and every attribute come along, and go ba
   CHECK(back.face_scalars == soup.face_scalars);
   CHECK(back.face_labels == soup.face_labels);
   CHECK(back.corner_scalars == soup.corner_scalars);
+  CHECK(back.vertex_colors == soup.vertex_colors);
   REQUIRE(back.vertex_normals.size() == soup.points.size());
   CHECK(back.vertex_normals[3][1] == doctest::Approx(0.6));
 }

@@ -22,9 +22,11 @@ def _default(option):
 
 
 def _stub(op):
-    kind = {"mesh": "Mesh", "soup": "Soup", "points": "Points"}[op["domain"]]
+    kind = {"mesh": "Mesh", "soup": "Union[Soup, Mesh]", "points": "Points"}[op["domain"]]
     lines = [f"def {_ops.python_name(op['name'])}(", f"    {op['domain']}: {kind}, /, *,"]
     lines += [f"    {_ops.python_name(o['name'])}: {_type(o)} = {_default(o)}," for o in op["options"]]
+    if op["domain"] != "points":
+        lines.append("    selection: Union[Selection, ArrayLike, None] = None,")
     lines += ["    progress: Optional[Callable[[str, float], Any]] = None, threads: int = 0,", ") -> dict[str, Any]:"]
     doc = _ops.docstring(op).split("\n")
     lines += ['    """' + doc[0]] + [("    " + line).rstrip() for line in doc[1:]] + ['    """', "    ..."]
@@ -32,8 +34,8 @@ def _stub(op):
 
 
 def text():
-    head = ["# Made from the schemas of the operators.", "from typing import Any, Callable, Literal, Optional, Sequence", "",
-            "from . import Mesh, Points, Soup"]
+    head = ["# Made from the schemas of the operators.", "from typing import Any, Callable, Literal, Optional, Sequence, Union", "",
+            "from numpy.typing import ArrayLike", "", "from . import Mesh, Points, Selection, Soup"]
     return "\n".join(head) + "\n\n" + "\n\n".join(_stub(op) for op in _ops.operators_of(tri.Registry())) + "\n"
 
 

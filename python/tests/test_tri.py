@@ -367,7 +367,7 @@ class Stubs(unittest.TestCase):
 
     def arguments(self, node):
         a = node.args
-        return [x.arg for x in a.posonlyargs + a.args + ([a.vararg] if a.vararg else []) + a.kwonlyargs]
+        return [x.arg for x in a.posonlyargs + a.args + [a.vararg] + a.kwonlyargs + [a.kwarg] if x]
 
     def runtime_arguments(self, function):
         try:

@@ -13,11 +13,13 @@ from typing import Any, NamedTuple, Optional
 
 from . import _tri, ops
 from ._ops import functions_of as _functions_of
-from ._tri import (CadError, Cancelled, Error, InvalidInput, IoError, Mesh, Points, Registry, Soup, __version__, check,
-                   mesh_distance, read_points, read_soup, repair, write)
+from ._ops import python_name as _python_name
+from ._tri import (CadError, Cancelled, Change, ChangeNotes, ElementNotes, Error, InvalidInput, IoError, Mesh, Points, Registry,
+                   Selection, Soup, __version__, check, mesh_distance, read_points, read_soup, repair, write)
 
-__all__ = ["CadError", "Cancelled", "Error", "InvalidInput", "IoError", "Mesh", "Points", "Registry", "Soup", "check",
-           "load_plugins", "mesh_distance", "ops", "read_mesh", "read_points", "read_soup", "repair", "run", "write"]
+__all__ = ["CadError", "Cancelled", "Change", "ChangeNotes", "ElementNotes", "Error", "InvalidInput", "IoError", "Mesh", "Points",
+           "Registry", "Selection", "Soup", "check", "dry_run", "load_plugins", "mesh_distance", "ops", "read_mesh", "read_points",
+           "read_soup", "record", "repair", "run", "write"]
 
 
 def read_mesh(path, *, progress=None, threads=0):
@@ -41,6 +43,32 @@ def run(object, steps, *, progress=None, threads=0, registry=None):
             {"op": name.replace("_", "-"), **{key.replace("_", "-"): _plain(value) for key, value in options.items()}}
             for name, options in pairs]})
     return _tri.run_recipe(registry or _tri.Registry(), object, recipe, progress, threads)
+
+
+def record(mesh, operator, /, **options):
+    """Runs an operator on a Mesh and returns what it did as a Change, which can be undone and done again.
+
+    operator: its name, or a function of a mesh: one of `tri.ops` or of `load_plugins`, or your own, which may run several.
+    options: handed to it. If it raises, the mesh is as it was.
+    """
+    if isinstance(operator, str):
+        name = _python_name(operator)
+        if name not in ops.__all__:
+            raise InvalidInput(f"unknown operator '{operator}'; known: {', '.join(ops.__all__)}")
+        function = getattr(ops, name)
+    else:
+        function = operator
+    with mesh.record() as change:
+        function(mesh, **options)
+    return change
+
+
+def dry_run(mesh, operator, /, **options):
+    """What an operator would do to a Mesh: runs it as `record` does and takes it back. The Change that is returned is undone
+    already; its notes and reports are what one is after, and `redo` does it without computing it again."""
+    change = record(mesh, operator, **options)
+    change.undo()
+    return change
 
 
 def _plain(value):

@@ -36,8 +36,13 @@ def _range(option):
 
 def docstring(op):
     """The text of an operator, from its schema."""
-    lines = [op["summary"] + ".", "", f"Works in place on a {_OBJECTS[op['domain']].__name__}; returns the report as a dict."]
-    if op["options"]:
+    object_name = _OBJECTS[op["domain"]].__name__
+    if op["domain"] == "soup":
+        object_name += " or a Mesh"
+    lines = [op["summary"] + ".", "", f"Works in place on a {object_name}; returns the report as a dict."]
+    if op["domain"] != "points":
+        lines += ["", "selection: the part of a Mesh to keep to: a tri.Selection, or an array of faces (indices or a mask)"]
+    if op["options"] and op["domain"] == "points":
         lines.append("")
     for option in op["options"]:
         said = ", ".join(part for part in (option.get("unit", ""), _range(option)) if part)
@@ -48,9 +53,13 @@ def docstring(op):
 def signature(op):
     """The first argument is named after what the operator works on; options are keywords."""
     kind = inspect.Parameter
-    parameters = [kind(op["domain"], kind.POSITIONAL_ONLY, annotation=_OBJECTS[op["domain"]])]
+    works_on = typing.Union[_tri.Soup, _tri.Mesh] if op["domain"] == "soup" else _OBJECTS[op["domain"]]
+    parameters = [kind(op["domain"], kind.POSITIONAL_ONLY, annotation=works_on)]
     parameters += [kind(python_name(option["name"]), kind.KEYWORD_ONLY, default=default_of(option),
                         annotation=_TYPES[option["type"]]) for option in op["options"]]
+    if op["domain"] != "points":
+        parameters.append(kind("selection", kind.KEYWORD_ONLY, default=None,
+                               annotation=typing.Union[_tri.Selection, typing.Sequence[int], None]))
     parameters += [kind("progress", kind.KEYWORD_ONLY, default=None,
                         annotation=typing.Optional[typing.Callable[[str, float], typing.Any]]),
                    kind("threads", kind.KEYWORD_ONLY, default=0, annotation=int)]
@@ -60,13 +69,13 @@ def signature(op):
 def _function(registry, op):
     names = {python_name(option["name"]): option["name"] for option in op["options"]}
 
-    def call(object, /, *, progress=None, threads=0, **options):
+    def call(object, /, *, selection=None, progress=None, threads=0, **options):
         unknown = [name for name in options if name not in names]
         if unknown:
-            allowed = ", ".join(list(names) + ["progress", "threads"])
+            allowed = ", ".join(list(names) + ["selection", "progress", "threads"])
             raise TypeError(f"{python_name(op['name'])} has no option {unknown[0]}; allowed: {allowed}")
         given = {names[name]: value for name, value in options.items()}
-        return _tri.run_operator(registry, op["name"], object, given, progress, threads)
+        return _tri.run_operator(registry, op["name"], object, given, selection, progress, threads)
 
     call.__name__ = call.__qualname__ = python_name(op["name"])
     call.__module__ = "tri.ops"

@@ -2,9 +2,10 @@
 
     report = tri.ops.fill_holes(mesh, max_edges=50)
 
-Each works in place on a Mesh, a Soup or Points, as its first argument is called, and returns a report: a dict with what was
+Each works in place on a Mesh, a Soup or Points, as its first argument is called (those on a Soup also on a Mesh), and returns a report: a dict with what was
 added, removed and moved, what was left alone and why, and the indices of touched elements. "unchanged" is true if the object
-is bit for bit what it was. Angles are degrees.
+is bit for bit what it was. Angles are degrees. With `selection`, an operator on a Mesh keeps to a part of it (see
+tri.Selection); with `mesh.record()` or `tri.record` it can be undone.
 """
 
 from . import _tri
