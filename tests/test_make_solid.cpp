@@ -367,6 +367,26 @@ TEST_CASE("make-solid: for single precision the result is a solid by place, ever
   }
 }
 
+TEST_CASE("make-solid: for single precision also sheets that meet in one point come apart") {
+  std::mt19937 random(3);
+  const auto real = [&] { return 2.0 * static_cast<double>(random() % 100000) / 100000 - 1; };
+  Context context;
+  for (int i = 0; i < 20; ++i) {
+    CAPTURE(i);
+    Soup soup;
+    soup.points.push_back(Vec3(0.1, 0.2, 0.3));
+    for (std::uint32_t t = 0; t < 4; ++t) {
+      for (int k = 0; k < 2; ++k) soup.points.push_back(soup.points[0] + Vec3(real(), real(), real()));
+      soup.triangles.push_back({0, 2 * t + 1, 2 * t + 2});
+    }
+    const Soup before = soup;
+    CHECK(make_solid(soup, {.single_precision = true}, context).skipped.empty());
+    CHECK(holds_as_floats(soup));
+    CHECK(contacts(soup) == 0);
+    CHECK(share_kept(before, soup) == 1);
+  }
+}
+
 TEST_CASE("make-solid: lids that lie nearly in one plane and overlap come to an end") {
   Soup soup = tube(48, Vec3(0, 0, 0));
   append(soup, tube(37, Vec3(0.4, 0.3, 0)));

@@ -66,6 +66,7 @@ struct Attempt {
   std::size_t touching = 0;
   std::vector<std::uint32_t> fillings;
 
+  bool clean() const { return left.none() && touching == 0; }
   bool better_than(const Attempt& other) const {
     const auto defects = [](const Attempt& a) {
       return std::array{a.left.crossing.size() + a.left.flat.size(), a.touching};
@@ -74,31 +75,59 @@ struct Attempt {
   }
 };
 
+/// Makes a solid of the result of an attempt once more. @return whether anything changed
+bool go_on(Attempt& a, const MakeSolidOptions& options, int finest, bool floats, Context& context) {
+  Report again;
+  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, a.fillings)
+               .run(again, false, context);
+  if (again.unchanged()) return false;
+  double& count = a.report.figures["passes"];
+  count = std::max(1.0, count) + 1;
+  a.report.touched_faces = again.touched_faces;
+  a.report.vertices_added += again.vertices_added;
+  a.report.vertices_removed += again.vertices_removed;
+  a.report.vertices_moved += again.vertices_moved;
+  a.report.faces_added += again.faces_added;
+  a.report.faces_removed += again.faces_removed;
+  return true;
+}
+
+void look(Attempt& a, Context& context) {
+  a.left = surface_contacts(a.soup.points, a.soup.triangles, context);
+  a.touching = touching_vertices(a.soup).size();
+}
+
 /// @param finest of the grid, see `GridFrame`
 /// @param floats whether the result is rounded to single precision
 Attempt attempt(const Soup& soup, const MakeSolidOptions& options, int finest, bool floats, bool tell_progress,
                 Context& context) {
   Attempt a{soup, {.operation = "make-solid"}, {}, 0, {}};
-  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, a.fillings)
+  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, a.fillings)
                .run(a.report, tell_progress, context);
   // What the rounding of new vertices made cross is cut again.
-  for (int pass = 1; pass < passes && !a.left.none(); ++pass) {
-    Report again;
-    a.left =
-        SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, a.fillings).run(again, false, context);
-    if (again.unchanged()) break;
-    a.report.figures["passes"] = pass + 1;
-    a.report.touched_faces = again.touched_faces;
-    a.report.vertices_added += again.vertices_added;
-    a.report.vertices_removed += again.vertices_removed;
-    a.report.vertices_moved += again.vertices_moved;
-    a.report.faces_added += again.faces_added;
-    a.report.faces_removed += again.faces_removed;
-  }
+  for (int pass = 1; pass < passes && !a.left.none(); ++pass)
+    if (!go_on(a, options, finest, floats, context)) break;
   if (floats) round_points(a.soup, a.report);
-  if (floats || !a.left.none()) a.left = surface_contacts(a.soup.points, a.soup.triangles, context);
-  a.touching = touching_vertices(a.soup).size();
+  if (floats || !a.left.none()) look(a, context);
   return a;
+}
+
+/// What rounding to floats made cross or touch is found where everything lies on their grid.
+Attempt attempt_with_floats(const Soup& soup, const Soup& as_floats, const MakeSolidOptions& options,
+                            Context& context) {
+  Attempt best = attempt(soup, options, GridFrame::doubles, true, true, context);
+  if (best.clean()) return best;
+  Attempt coarse = attempt(as_floats, options, GridFrame::floats, true, false, context);
+  if (coarse.better_than(best)) best = std::move(coarse);
+  for (int pass = 1; pass < passes && !best.clean(); ++pass) {
+    Attempt next = best;
+    if (!go_on(next, options, GridFrame::floats, true, context)) break;
+    round_points(next.soup, next.report);
+    look(next, context);
+    if (!next.better_than(best)) break;
+    best = std::move(next);
+  }
+  return best;
 }
 
 }  // namespace
@@ -138,12 +167,8 @@ Report make_solid_naming_fillings(Soup& soup, const MakeSolidOptions& options, s
     context.progress("make-solid", 1);
     return report;
   }
-  Attempt best = attempt(soup, options, GridFrame::doubles, options.single_precision, true, context);
-  if (options.single_precision && (best.touching > 0 || !best.left.none())) {
-    // What rounding to floats made cross is found where everything lies on their grid from the beginning.
-    Attempt coarse = attempt(as_floats, options, GridFrame::floats, true, false, context);
-    if (coarse.better_than(best)) best = std::move(coarse);
-  }
+  Attempt best = options.single_precision ? attempt_with_floats(soup, as_floats, options, context)
+                                          : attempt(soup, options, GridFrame::doubles, false, true, context);
   report = std::move(best.report);
   tell_what_is_left(best.soup, best.left, options.single_precision, report);
   if (!report.unchanged()) {

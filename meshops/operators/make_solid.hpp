@@ -18,7 +18,8 @@ struct MakeSolidOptions {
   /// plate, both thinner than max_deviation; else it goes.
   bool keep_walls = true;
   /// All vertices get coordinates that single precision holds, and what touches is parted by more than its steps
-  /// wherever that can be, so that the result is still a solid after it was written as STL and read again.
+  /// wherever that can be, so that the result is still a solid after it was written as STL and read again. Corners that
+  /// cannot move apart lose their tips (`cut_tips`), and what the rounding made touch is made a solid once more.
   bool single_precision = false;
 
   static const OptionSchema& schema();
@@ -28,8 +29,7 @@ struct MakeSolidOptions {
 /// and free of self-intersections.
 ///
 /// Vertices within 2^-28 of the extent of each other count as one, triangles that are there twice as one. Holes are
-/// closed
-/// (`close_surface`), triangles are cut along each other (`resolve_crossings`), the cells between them are inside where
+/// closed (`close_surface`), triangles are cut along each other (`resolve_crossings`), the cells between them are inside where
 /// the surface winds round them [Jacobson et al. 2013; Zhou et al. 2016], and each component of what then hangs
 /// together becomes the boundary of its inside. Nothing of the surface is lost beyond `max_deviation`: walls inside
 /// stay as thin gaps, open sheets as thin plates, and where their two sides cannot be parted they touch (`skipped`).

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "meshops/checks/surface_reach.hpp"
+#include "meshops/crossings/arrangement/cut_tips.hpp"
 #include "meshops/crossings/arrangement/settle_moves.hpp"
 #include "meshops/crossings/triangle_pieces.hpp"
 #include "meshops/random_stream.hpp"
@@ -69,11 +70,12 @@ void nudge(CrossingComplex& complex, double farthest, bool each) {
 
 }  // namespace
 
-SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest,
+SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, bool apart,
                              std::vector<std::uint32_t>& fillings)
     : soup_(soup),
       max_deviation_(max_deviation),
       keep_walls_(keep_walls),
+      apart_(apart),
       fillings_(fillings),
       frame_(used_points(soup), finest) {}
 
@@ -242,6 +244,7 @@ PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels
       report.figures["faces inside dropped"] = static_cast<double>(boundary.dropped_walls);
     if (boundary.doubled > 0) report.figures["faces kept as thin walls"] = static_cast<double>(boundary.doubled);
     if (contacts > 0) report.figures["walls dropped because their sides would touch"] = static_cast<double>(contacts);
+    if (apart_) cut_tips(placed, height, context);
     return placed;
   }
 }

@@ -20,9 +20,11 @@ class SolidFromSoup {
  public:
   /// @param max_deviation share of the diagonal
   /// @param finest        as of `GridFrame`
+  /// @param apart         no two vertices of the result may lie in one place, wherever that can be
   /// @param fillings      triangles of the soup, increasing, that close holes: they need not stay; afterwards those of
   /// the result. It and the soup must outlive this object.
-  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, std::vector<std::uint32_t>& fillings);
+  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, bool apart,
+                std::vector<std::uint32_t>& fillings);
 
   /// Changes the soup at the end.
   /// @return what still meets: nothing, but for rounding
@@ -41,7 +43,7 @@ class SolidFromSoup {
 
   Soup& soup_;
   double max_deviation_;
-  bool keep_walls_;
+  bool keep_walls_, apart_;
   std::vector<std::uint32_t>& fillings_;
   GridFrame frame_;
   CrossingComplex complex_;
