@@ -7,6 +7,9 @@
 namespace tri {
 namespace {
 
+/// Below, looking at each triangle of a filling is cheap.
+constexpr std::size_t least_edges_to_project = 100;
+
 OverlapTree tree_of_rims(MeshView view, std::span<const std::vector<VertexHandle>> rims) {
   std::vector<OverlapTree::Box> boxes(rims.size());
   std::vector<std::uint32_t> items(rims.size());
@@ -40,16 +43,14 @@ std::array<Vec3, 3> places(MeshView view, const VertexTriple& t) {
 }  // namespace
 
 FillingObstacles::FillingObstacles(MeshView view, std::span<const std::vector<VertexHandle>> rims)
-    : view_(view), rims_(tree_of_rims(view, rims)), fillings_(rims.size()) {
-  std::vector<FaceHandle> faces;
+    : view_(view), rings_(rims), rims_(tree_of_rims(view, rims)), fillings_(rims.size()) {
   for (int i = 0; i < static_cast<int>(view.mesh.n_faces()); ++i) {
     const FaceHandle f(i);
     if (view.mesh.status(f).deleted()) continue;
     bool near = false;
     rims_.overlapping(box_of(f), 0, [&](std::uint32_t) { near = true; });
-    if (near) faces.push_back(f);
+    if (near) mesh_.faces.push_back(f);
   }
-  mesh_ = std::make_unique<Faces>(tree_of(std::move(faces)));
 }
 
 OverlapTree::Box FillingObstacles::box_of(FaceHandle f) const {
@@ -58,23 +59,51 @@ OverlapTree::Box FillingObstacles::box_of(FaceHandle f) const {
   return box;
 }
 
-FillingObstacles::Faces FillingObstacles::tree_of(std::vector<FaceHandle> faces) const {
-  std::vector<OverlapTree::Box> boxes;
-  for (const FaceHandle f : faces) boxes.push_back(box_of(f));
-  std::vector<std::uint32_t> items(faces.size());
-  std::iota(items.begin(), items.end(), 0u);
-  return {std::move(faces), OverlapTree(std::move(boxes), std::move(items))};
+const OverlapTree& FillingObstacles::tree_of(const Faces& faces) const {
+  if (!faces.tree) {
+    std::vector<OverlapTree::Box> boxes;
+    for (const FaceHandle f : faces.faces) boxes.push_back(box_of(f));
+    std::vector<std::uint32_t> items(faces.faces.size());
+    std::iota(items.begin(), items.end(), 0u);
+    faces.tree.emplace(std::move(boxes), std::move(items));
+  }
+  return *faces.tree;
 }
 
 void FillingObstacles::start(std::size_t hole) {
-  near_.assign(1, mesh_.get());
+  near_.assign(1, &mesh_);
   rims_.overlapping(rims_.box(static_cast<std::uint32_t>(hole)), 0, [&](std::uint32_t other) {
     if (other != hole && fillings_[other]) near_.push_back(fillings_[other].get());
   });
+  project(hole);
+}
+
+void FillingObstacles::project(std::size_t hole) {
+  projection_.reset();
+  const std::size_t edges = rings_[hole].size();
+  // Going through all that is in the boxes of holes must not cost more than this filling does.
+  if (edges < least_edges_to_project || mesh_.faces.size() > 300 * edges || view_.mesh.n_vertices() > 2000 * edges)
+    return;
+  const OverlapTree::Box& box = rims_.box(static_cast<std::uint32_t>(hole));
+  projection_ = std::make_unique<FillingProjection>(view_, rings_[hole], box);
+  others_ = {};
+  for (const Faces* faces : near_)
+    for (const FaceHandle f : faces->faces)
+      if (!projection_->covers(f) && box_of(f).overlaps(box)) others_.faces.push_back(f);
+}
+
+std::vector<char> FillingObstacles::in_doubt(std::span<const VertexTriple> filling) const {
+  if (!projection_) return std::vector<char>(filling.size(), 1);
+  std::vector<char> doubt = projection_->in_doubt(filling);
+  if (others_.faces.empty()) return doubt;
+  for (std::size_t t = 0; t < filling.size(); ++t)
+    if (!doubt[t]) doubt[t] = crossings_with(others_, places(view_, filling[t])) > 0;
+  return doubt;
 }
 
 void FillingObstacles::add(std::size_t hole, std::span<const FaceHandle> faces) {
-  fillings_[hole] = std::make_unique<Faces>(tree_of({faces.begin(), faces.end()}));
+  fillings_[hole] = std::make_unique<Faces>();
+  fillings_[hole]->faces.assign(faces.begin(), faces.end());
 }
 
 int FillingObstacles::crossings(const VertexTriple& triangle) const {
@@ -86,11 +115,11 @@ int FillingObstacles::crossings(const VertexTriple& triangle) const {
 }
 
 int FillingObstacles::crossings_with(const Faces& faces, const std::array<Vec3, 3>& at) const {
-  OverlapTree::Box box;
-  for (const Vec3& p : at) box.grow(p);
   int count = 0;
-  faces.tree.overlapping(box, 0, [&](std::uint32_t i) {
+  const TriangleBox triangle(at);
+  tree_of(faces).meeting(triangle, [&](std::uint32_t i) {
     const auto at_other = places(view_, corners(view_, faces.faces[i]));
+    if (triangle.beside(at_other)) return;
     if (triangle_has_area(at_other[0], at_other[1], at_other[2]))
       count += triangles_meet({0, 1, 2}, at, names(at_other, at), at_other);
   });

@@ -114,7 +114,7 @@ Ring Hole::ring() const {
   return ring;
 }
 
-std::vector<VertexTriple> Hole::named(const std::vector<RingTriangle>& triangles) const {
+std::vector<VertexTriple> Hole::named(std::span<const RingTriangle> triangles) const {
   std::vector<VertexTriple> result;
   for (const RingTriangle& t : triangles) result.push_back({vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]});
   return result;
@@ -140,6 +140,7 @@ HoleFilling Hole::fill(HoleStrategy strategy, int max_dynamic_edges, const Filli
   surroundings.crossings = [&](const RingTriangle& t) {
     return obstacles.crossings({vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]});
   };
+  surroundings.in_doubt = [&](std::span<const RingTriangle> triangles) { return obstacles.in_doubt(named(triangles)); };
   std::vector<HoleStrategy> strategies{strategy};
   for (const HoleStrategy other :
        {HoleStrategy::least_bending, HoleStrategy::minimum_area, HoleStrategy::nearest_diagonal})

@@ -65,7 +65,7 @@ class Hole {
  private:
   Ring ring() const;
   std::vector<std::pair<int, int>> forbidden_chords() const;
-  std::vector<VertexTriple> named(const std::vector<RingTriangle>& triangles) const;
+  std::vector<VertexTriple> named(std::span<const RingTriangle> triangles) const;
   Vec3 face_normal(FaceHandle f) const;
   Vec3 normal_beyond(HalfedgeHandle h) const;
   std::vector<Vec3> vertex_normals() const;

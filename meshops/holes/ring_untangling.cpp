@@ -42,23 +42,26 @@ class Untangler {
 
   Crossings find(std::span<const RingTriangle> triangles) const {
     Crossings found;
-    std::vector<char> takes_part(triangles.size(), 0);
+    std::vector<char> takes_part(triangles.size(), 0), in_doubt(triangles.size(), 1);
+    if (surroundings_.in_doubt) in_doubt = surroundings_.in_doubt(triangles);
+    std::vector<Triangle> named;
+    std::vector<std::uint32_t> number;  // in the filling, of each in `named`
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       if (t % 256 == 0) context_.checkpoint();
+      if (!in_doubt[t]) continue;
       const auto at = places(triangles[t]);
       if (!triangle_has_area(at[0], at[1], at[2])) continue;
+      named.push_back(names(triangles[t]));
+      number.push_back(static_cast<std::uint32_t>(t));
       const int crossings = surroundings_.crossings(triangles[t]);
       found.count += static_cast<std::size_t>(crossings);
       takes_part[t] = crossings > 0;
     }
-    if (triangles.size() > 1) {
-      std::vector<Triangle> named;
-      for (const RingTriangle& t : triangles) named.push_back(names(t));
+    if (named.size() > 1)
       for (const auto& [t, u] : self_intersections(ring_, named, context_, Neighbors::judge)) {
         ++found.count;
-        takes_part[t] = takes_part[u] = 1;
+        takes_part[number[t]] = takes_part[number[u]] = 1;
       }
-    }
     for (std::size_t t = 0; t < triangles.size(); ++t)
       if (takes_part[t]) found.triangles.push_back(static_cast<std::int32_t>(t));
     return found;
@@ -121,11 +124,11 @@ class Untangler {
       CrossingWeight weight{0, triangle_area(at[0], at[1], at[2])};
       if (!triangle_has_area(at[0], at[1], at[2])) return weight;
       weight.crossings = surroundings_.crossings(t);
-      OverlapTree::Box box;
-      for (const Vec3& p : at) box.grow(p);
-      tree.overlapping(box, 0, [&](std::uint32_t other) {
+      const TriangleBox triangle(at);
+      tree.meeting(triangle, [&](std::uint32_t other) {
         if (std::binary_search(own.begin(), own.end(), static_cast<std::int32_t>(other))) return;
         const auto at_other = places(now[other]);
+        if (triangle.beside(at_other)) return;
         if (triangle_has_area(at_other[0], at_other[1], at_other[2]) &&
             triangles_meet(names(t), at, names(now[other]), at_other))
           ++weight.crossings;

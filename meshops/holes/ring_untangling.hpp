@@ -17,6 +17,9 @@ struct RingSurroundings {
   std::vector<std::int32_t> same_as;
   /// How many triangles around the ring one of the filling meets in more than what they share.
   std::function<int(const RingTriangle&)> crossings;
+  /// For each triangle of a whole filling 0 if it is known to meet neither anything around the ring nor another one of
+  /// the filling in more than what they share, else 1. May be null: nothing is known.
+  std::function<std::vector<char>(std::span<const RingTriangle>)> in_doubt;
 };
 
 /// Pairs of triangles that meet in more than what they share: in the filling, and with its surroundings.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "meshops/search/triangle_box.hpp"
 #include "meshops/vec.hpp"
 
 namespace tri {
@@ -37,22 +38,14 @@ class OverlapTree {
   /// Calls `visit(item)` for every item of index `from` or above whose box overlaps `box`.
   template <class Visit>
   void overlapping(const Box& box, std::uint32_t from, Visit visit) const {
-    if (nodes_.empty()) return;
-    std::uint32_t stack[96];
-    int depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-      const std::uint32_t id = stack[--depth];
-      const Node& node = nodes_[id];
-      if (node.last < from || !node.box.overlaps(box)) continue;
-      if (node.right == 0) {
-        for (std::uint32_t i = node.first; i < node.end; ++i)
-          if (order_[i] >= from && boxes_[order_[i]].overlaps(box)) visit(order_[i]);
-      } else {
-        stack[depth++] = node.right;
-        stack[depth++] = id + 1;
-      }
-    }
+    visit_boxes([&](const Box& other) { return other.overlaps(box); }, from, visit);
+  }
+
+  /// Calls `visit(item)` for every item whose box a triangle meets, and for some whose box it nearly meets. For a long
+  /// triangle askew these are far fewer than the boxes that overlap its own.
+  template <class Visit>
+  void meeting(const TriangleBox& triangle, Visit visit) const {
+    visit_boxes([&](const Box& other) { return triangle.may_meet(other.lo, other.hi); }, 0, visit);
   }
 
  private:
@@ -61,6 +54,27 @@ class OverlapTree {
     std::uint32_t first = 0, end = 0, right = 0;
     std::uint32_t last = 0;  ///< highest item index inside
   };
+
+  template <class Meets, class Visit>
+  void visit_boxes(const Meets& meets, std::uint32_t from, Visit& visit) const {
+    if (nodes_.empty()) return;
+    std::uint32_t stack[96];
+    int depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::uint32_t id = stack[--depth];
+      const Node& node = nodes_[id];
+      if (node.last < from || !meets(node.box)) continue;
+      if (node.right == 0) {
+        for (std::uint32_t i = node.first; i < node.end; ++i)
+          if (order_[i] >= from && meets(boxes_[order_[i]])) visit(order_[i]);
+      } else {
+        stack[depth++] = node.right;
+        stack[depth++] = id + 1;
+      }
+    }
+  }
+
   std::uint32_t build(std::uint32_t first, std::uint32_t end);
 
   std::vector<std::uint32_t> order_;

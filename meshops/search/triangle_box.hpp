@@ -1,0 +1,87 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "meshops/vec.hpp"
+
+namespace tri {
+
+/// One triangle, to be compared with many boxes: separating axes [Gottschalk, Lin & Manocha 1996; Akenine-Möller 2001],
+/// of which all that depends on the triangle is computed once.
+class TriangleBox {
+ public:
+  /// @param corners  finite; the triangle may be degenerate
+  explicit TriangleBox(const std::array<Vec3, 3>& corners) {
+    low_ = high_ = corners[0];
+    for (const Vec3& p : corners) low_.minimize(p), high_.maximize(p);
+    for (int k = 0; k < 3; ++k) reach_ = std::max({reach_, std::abs(low_[k]), std::abs(high_[k])});
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 edge = corners[(i + 1) % 3] - corners[i];
+      for (std::size_t k = 0; k < 3; ++k) {
+        Axis& axis = axes_[3 * i + k];
+        axis = {edge[(k + 1) % 3], edge[(k + 2) % 3], 0, 0};
+        // The product of the edge with direction k, which no coordinate k enters.
+        const auto along = [&](const Vec3& p) { return axis.x * p[(k + 2) % 3] - axis.y * p[(k + 1) % 3]; };
+        axis.low = std::min({along(corners[0]), along(corners[1]), along(corners[2])});
+        axis.high = std::max({along(corners[0]), along(corners[1]), along(corners[2])});
+      }
+    }
+    const Vec3 size = high_ - low_;
+    square_ = (size[0] + size[1] + size[2]) * (size[0] + size[1] + size[2]);
+    normal_ = (corners[1] - corners[0]) % (corners[2] - corners[0]);
+    level_ = normal_ | corners[0];
+  }
+
+  const Vec3& low() const { return low_; }
+  const Vec3& high() const { return high_; }
+
+  /// False only if the box and the triangle have no point in common; true also where they are apart by less than the
+  /// rounding of a few operations.
+  bool may_meet(const Vec3& low, const Vec3& high) const {
+    for (int k = 0; k < 3; ++k)
+      if (low[k] > high_[k] || high[k] < low_[k]) return false;
+    const Vec3 center = (low + high) * 0.5, half = (high - low) * 0.5;
+    double reach = reach_;
+    for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(center[k]) + half[k]);
+    const double slack = 1e-14 * reach;
+    const double n0 = std::abs(normal_[0]), n1 = std::abs(normal_[1]), n2 = std::abs(normal_[2]);
+    if (std::abs((normal_ | center) - level_) >
+        n0 * half[0] + n1 * half[1] + n2 * half[2] + slack * (n0 + n1 + n2 + square_))
+      return false;
+    for (std::size_t i = 0; i < 9; ++i) {
+      const Axis& axis = axes_[i];
+      const std::size_t k = i % 3, u = (k + 1) % 3, v = (k + 2) % 3;
+      const double x = std::abs(axis.x), y = std::abs(axis.y);
+      const double at = axis.x * center[v] - axis.y * center[u], r = x * half[v] + y * half[u] + slack * (x + y);
+      if (at + r < axis.low || at - r > axis.high) return false;
+    }
+    return true;
+  }
+
+  /// True only if the three places are strictly on one side of the triangle's plane; false as well where that is not
+  /// sure.
+  bool beside(const std::array<Vec3, 3>& places) const {
+    double reach = reach_, least = 0, most = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double at = (normal_ | places[i]) - level_;
+      least = i == 0 ? at : std::min(least, at);
+      most = i == 0 ? at : std::max(most, at);
+      for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(places[i][k]));
+    }
+    const double slack = 1e-14 * reach * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_);
+    return least > slack || most < -slack;
+  }
+
+ private:
+  struct Axis {
+    double x, y, low, high;
+  };
+  Vec3 low_, high_, normal_;
+  double reach_ = 0, level_ = 0;
+  double square_ = 0;  ///< of its extent: the normal's coordinates are wrong by a rounding of that
+  std::array<Axis, 9> axes_;
+};
+
+}  // namespace tri
