@@ -48,6 +48,7 @@ std::string to_text(const MeshCheck& c, const std::vector<std::pair<const char*,
   line("unwelded seam edges", c.open_seams, "", "");
   line("T-junctions", c.t_junctions.size(), "vertices ", first_of(c.t_junctions, [](const TJunction& j) { return fmt::format("{}", j.vertex); }));
   line("self-intersections", c.self_intersections.size(), "triangles ", first_of(c.self_intersections, pair));
+  line("solids within solids (no defect)", c.nested_solids.size(), "with triangle ", first_of(c.nested_solids, number));
   line("coincident vertices (no defect)", c.coincident_vertices.size(), "vertices ", first_of(c.coincident_vertices, pair));
   return text + (defects.empty() ? "nothing is wrong\n" : "");
 }
@@ -84,8 +85,8 @@ void add_check_command(CLI::App& app, Program& program) {
   command->footer(
       "Wrong are: boundary loops (unless --open), edges of three or more triangles, vertices of several fans, edges whose\n"
       "triangles run the same way, shells inside out, triangles that are degenerate or duplicates, vertices in no triangle,\n"
-      "seams that are not welded, T-junctions, and triangles that intersect (decided exactly). Needles and vertices that\n"
-      "coincide are listed, but nothing wrong. Indices count from 0 in the order of the file; STL corners with the same\n"
+      "seams that are not welded, T-junctions, and triangles that intersect (decided exactly). Needles, vertices that\n"
+      "coincide and solids within solids are listed, but nothing wrong. Indices count from 0 in the order of the file; STL corners with the same\n"
       "coordinates are one vertex.\n\n"
       "Examples:\n"
       "  tri check part.stl\n"

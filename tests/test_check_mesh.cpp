@@ -90,14 +90,31 @@ TEST_CASE("check_mesh: every planted defect is found, counted and placed") {
     std::swap(soup.triangles[7][0], soup.triangles[7][1]);
     CHECK(defects(check(soup)) == Defects{{"edges whose triangles run the same way", 3}});
   }
-  SUBCASE("inside out, and a cavity that faces the wrong way") {
+  SUBCASE("inside out, by itself and within a cavity") {
     CHECK(defects(check(turned_around(good))) == Defects{{"shells inside out", 1}});
-    const Soup two = joined(cube({0, 0, 0}, 3), cube({1, 1, 1}, 1));
-    const MeshCheck c = check(two);
+    const Soup hollow = joined(cube({0, 0, 0}, 9), turned_around(cube({1, 1, 1}, 7)));
+    CHECK(check(hollow).kind == SurfaceKind::solid);
+    const MeshCheck c = check(joined(hollow, turned_around(cube({2, 2, 2}, 1))));
     CHECK(defects(c) == Defects{{"shells inside out", 1}});
-    CHECK(c.inside_out == std::vector<std::uint32_t>{12});
+    CHECK(c.inside_out == std::vector<std::uint32_t>{24});
     CHECK(c.kind == SurfaceKind::watertight);
-    CHECK(check(joined(cube({0, 0, 0}, 3), turned_around(cube({1, 1, 1}, 1)))).kind == SurfaceKind::solid);
+    CHECK(check(joined(hollow, turned_around(cube({20, 2, 2}, 1)))).inside_out.size() == 1);
+  }
+  SUBCASE("shells within shells that are right") {
+    // A solid in the cavity of another, with a cavity of its own.
+    const Soup hollow = joined(cube({0, 0, 0}, 9), turned_around(cube({1, 1, 1}, 7)));
+    Soup nested = joined(joined(hollow, cube({2, 2, 2}, 4)), turned_around(cube({3, 3, 3}, 1)));
+    for (const Soup& soup : {nested, joined(cube({0, 0, 0}, 4), cube({6, 0, 0}, 4))}) {
+      const MeshCheck c = check(soup);
+      CHECK(defects(c).empty());
+      CHECK(c.nested_solids.empty());
+      CHECK(c.kind == SurfaceKind::solid);
+    }
+    // A solid in the material of another, and a cavity in that one, are listed but nothing wrong.
+    const MeshCheck two = check(joined(joined(cube({0, 0, 0}, 9), cube({1, 1, 1}, 7)), turned_around(cube({2, 2, 2}, 1))));
+    CHECK(defects(two).empty());
+    CHECK(two.nested_solids == std::vector<std::uint32_t>{12});
+    CHECK(two.kind == SurfaceKind::solid);
   }
   SUBCASE("fin") {
     Soup soup = good;

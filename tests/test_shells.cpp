@@ -25,6 +25,19 @@ TEST_CASE("find_shells: volume, area and closedness of boxes with closed forms")
   CHECK(s.one_sided.empty());
 }
 
+TEST_CASE("find_depths: how many shells are around one, and how often they wind round it") {
+  const Soup soup = joined(joined(cube({0, 0, 0}, 9), turned_around(cube({1, 1, 1}, 7))), joined(cube({2, 2, 2}, 4), turned_around(cube({3, 3, 3}, 1))));
+  Context context;
+  Shells s = find_shells(soup, context);
+  find_depths(soup, s, context);
+  REQUIRE(s.shells.size() == 4);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(s.shells[i].depth == i);
+    CHECK(s.shells[i].winding == i % 2);
+    CHECK_FALSE(is_inside_out(s.shells[i]));
+  }
+}
+
 TEST_CASE("InsideTest: points of a fine grid against a box, faces, edges and corners included") {
   const Soup soup = joined(box({0, 0, 0}, {2, 2, 2}), cube({8, 8, 8}));
   std::vector<std::uint32_t> listed;

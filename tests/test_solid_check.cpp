@@ -27,6 +27,14 @@ TEST_CASE("is_clean_solid: a cavity is part of a solid, a cube through another i
   CHECK_FALSE(is_clean_solid(joined(cube(), cube(Vec3(0.5, 0.4, 0.3))), false, context));
 }
 
+TEST_CASE("is_clean_solid: a solid within a cavity or within a solid is, one inside out in a cavity is not") {
+  Context context;
+  const Soup hollow = joined(cube({0, 0, 0}, 9), turned_around(cube({1, 1, 1}, 7)));
+  CHECK(is_clean_solid(joined(hollow, cube({2, 2, 2}, 1)), true, context));
+  CHECK(is_clean_solid(joined(cube({0, 0, 0}, 9), cube({2, 2, 2}, 1)), true, context));
+  CHECK_FALSE(is_clean_solid(joined(hollow, turned_around(cube({2, 2, 2}, 1))), true, context));
+}
+
 TEST_CASE("is_clean_solid: cubes that touch in a corner are apart with indices and not without") {
   Context context;
   const Soup two = joined(cube(), cube(Vec3(1, 1, 1)));

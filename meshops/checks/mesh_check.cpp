@@ -59,7 +59,10 @@ void judge_shells(const Soup& soup, MeshCheck& check, Context& context) {
   Shells shells = find_shells(soup, context);
   find_depths(soup, shells, context);
   for (const Shell& s : shells.shells)
-    if (s.closed && s.reversed == 0 && (s.depth % 2 == 0 ? s.volume : -s.volume) < 0) check.inside_out.push_back(s.triangles[0]);
+    if (s.closed && s.reversed == 0) {
+      if (is_inside_out(s)) check.inside_out.push_back(s.triangles[0]);
+      else if (s.volume > 0 && s.winding > 0) check.nested_solids.push_back(s.triangles[0]);
+    }
   check.components = measure_components(soup, check.places.component_of_triangle, shells);
 }
 
@@ -157,6 +160,7 @@ nlohmann::ordered_json to_json(const MeshCheck& check, std::size_t most) {
                     {"nonmanifold_vertices", s.nonmanifold_vertices},
                     {"misoriented_edges", s.misoriented_edges},
                     {"inside_out", check.inside_out.size()},
+                    {"nested_solids", check.nested_solids.size()},
                     {"degenerate", check.degenerate.size()},
                     {"needles", check.needles.size()},
                     {"duplicates", check.places.duplicate_triangles.size()},
@@ -185,6 +189,7 @@ nlohmann::ordered_json to_json(const MeshCheck& check, std::size_t most) {
   list("nonmanifold_vertices", check.places.nonmanifold_vertices, itself);
   list("misoriented_edges", check.places.misoriented_edges, itself);
   list("inside_out", check.inside_out, itself);
+  list("nested_solids", check.nested_solids, itself);
   list("degenerate", check.degenerate, itself);
   list("needles", check.needles, itself);
   list("duplicates", check.places.duplicate_triangles, itself);

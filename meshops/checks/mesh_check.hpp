@@ -42,8 +42,11 @@ struct MeshCheck {
   /// Places where boundary edges coincide, so that welding would join them.
   std::uint64_t open_seams = 0;
   std::vector<TJunction> t_junctions;
-  /// Closed and coherently oriented shells that face the wrong way, each by its first triangle.
+  /// Closed and coherently oriented shells that face inward and are no cavity of a solid, each by its first triangle.
   std::vector<std::uint32_t> inside_out;
+  /// The same of those that face outward within solid material. They are no defect: solids in a solid, as of a second
+  /// material, though someone may have meant cavities (`orient` makes such of them).
+  std::vector<std::uint32_t> nested_solids;
   /// Pairs of triangles that meet in more than the corners and sides they share; vertices at the same place count as the same.
   std::vector<std::array<std::uint32_t, 2>> self_intersections;
   std::vector<SoupComponent> components;
@@ -51,8 +54,8 @@ struct MeshCheck {
   bool watertight = false;  ///< no boundary, manifold, coherently oriented; and there is a triangle
   SurfaceKind kind = SurfaceKind::none;
 
-  /// The number of defects of each kind that has any, by name: "non-manifold edges" … Needles and coincident vertices are
-  /// none. A boundary loop is one of a mesh that is meant to be closed, which nobody can tell from the mesh.
+  /// The number of defects of each kind that has any, by name: "non-manifold edges" … Needles, coincident vertices and solids
+  /// within solids are none. A boundary loop is one of a mesh that is meant to be closed, which nobody can tell from the mesh.
   /// @param boundary_is_wrong whether it is meant to be closed
   std::vector<std::pair<const char*, std::uint64_t>> defects(bool boundary_is_wrong) const;
 };
@@ -61,7 +64,8 @@ struct MeshCheck {
 ///
 /// Triangles that name a vertex twice have no edges. Non-manifold edges have three triangles or more, non-manifold
 /// vertices more than one fan. A boundary loop that touches itself or another one in a vertex counts as if the fans were
-/// apart there (other tools count what hangs together as one). Nested shells are right if they face by turns. That
+/// apart there (other tools count what hangs together as one). A shell within others is right if it faces outward, also as a
+/// solid in the cavity of another, or inward as a cavity. That
 /// triangles intersect does not keep a mesh from being a solid. O(N log N), and what the self-intersections cost.
 /// @throws InvalidInput if the soup is inconsistent; Cancelled.
 MeshCheck check_mesh(const Soup& soup, const MeshCheckOptions& options, Context& context);

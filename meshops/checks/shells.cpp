@@ -233,7 +233,9 @@ void find_depths(const Soup& soup, Shells& shells, Context& context) {
         }
         if (is_outside) break;
       }
-      if (is_inside && !is_outside) ++shells.shells[inner].depth;
+      if (!is_inside || is_outside) continue;
+      ++shells.shells[inner].depth;
+      shells.shells[inner].winding += shells.shells[outer].volume > 0 ? 1 : -1;
     }
   }
 }

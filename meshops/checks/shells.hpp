@@ -20,6 +20,7 @@ struct Shell {
   double area = 0;
   double volume = 0;  ///< enclosed by the triangles turned as said, negative if inside out; 0 unless closed
   int depth = 0;      ///< number of other closed shells around it; 0 unless closed and `find_depths` was called
+  int winding = 0;    ///< how often those wind round it: outward ones count 1, others -1
 };
 
 /// The shells of a soup and the orientation in which the triangles of each agree.
@@ -32,24 +33,32 @@ struct Shells {
   std::vector<std::array<std::uint32_t, 2>> one_sided;
 };
 
-/// O(triangles). Of two orientations that need as many triangles turned, the one of the first triangle is taken. Exact copies
-/// of a triangle are not taken for its neighbours.
+/// O(triangles). Of two orientations that need as many triangles turned, the one of the first triangle is taken. Exact
+/// copies of a triangle are not taken for its neighbours.
 Shells find_shells(const Soup& soup, Context& context);
 
-/// Sets `depth`: a closed shell lies in another if its box lies in the other's, none of its vertices is outside of the other
-/// and one is inside, which is decided exactly.
+/// Sets `depth` and `winding`: a closed shell lies in another if its box lies in the other's, none of its vertices is
+/// outside of the other and one is inside, which is decided exactly.
 void find_depths(const Soup& soup, Shells& shells, Context& context);
+
+/// Whether a shell, turned as said, has less than nothing inside: it faces inward and is no cavity of a solid around
+/// it. One that faces outward never is: within another solid it is a solid too, as of a second material, or a cavity
+/// that someone meant, which no one can tell.
+inline bool is_inside_out(const Shell& shell) {
+  return shell.volume < 0 && shell.winding <= 0;
+}
 
 /// Whether places are inside of closed triangles.
 class InsideTest {
  public:
   enum class Where { outside, inside, on };
 
-  /// @param listed indices of triangles; each of their edges has an even number of them. The soup must outlive this object.
+  /// @param listed indices of triangles; each of their edges has an even number of them. The soup must outlive this
+  /// object.
   InsideTest(const Soup& soup, std::span<const std::uint32_t> listed);
 
-  /// Inside is what an odd number of triangles lies before, seen along an axis. Exact for any finite coordinates: where the
-  /// line meets an edge, the place counts as moved by an infinitely small amount [Edelsbrunner & Muecke 1990].
+  /// Inside is what an odd number of triangles lies before, seen along an axis. Exact for any finite coordinates: where
+  /// the line meets an edge, the place counts as moved by an infinitely small amount [Edelsbrunner & Muecke 1990].
   Where locate(const Vec3& place) const;
 
  private:

@@ -29,7 +29,7 @@ bool faces_outward(const Soup& soup, Context& context) {
   Shells shells = find_shells(soup, context);
   if (std::ranges::all_of(shells.shells, [](const Shell& s) { return s.volume >= 0; })) return true;
   find_depths(soup, shells, context);
-  return std::ranges::all_of(shells.shells, [](const Shell& s) { return s.volume >= 0 || s.depth % 2 == 1; });
+  return std::ranges::none_of(shells.shells, is_inside_out);
 }
 
 }  // namespace
