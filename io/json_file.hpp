@@ -12,6 +12,7 @@ nlohmann::json read_json(const std::string& path);
 /// Writes JSON with two blanks of indentation and a final line break; the file appears whole or not at all. Numbers
 /// that are not finite become null. @throws IoError
 void write_json(const std::string& path, const nlohmann::json& value);
+/// The same with the keys in the order in which they were written.
 void write_json(const std::string& path, const nlohmann::ordered_json& value);
 
 }  // namespace tri

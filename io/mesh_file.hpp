@@ -11,7 +11,9 @@
 
 namespace tri {
 
+/// The formats of meshes; `threemf` is 3MF, `gltf` both .gltf and .glb, `vtk` .vtp, which is only written.
 enum class MeshFormat { stl, obj, ply, off, threemf, gltf, vtk };
+/// How numbers stand in a file; `compressed_text` is 3MF's XML in a ZIP archive.
 enum class MeshEncoding { ascii, binary_little_endian, binary_big_endian, compressed_text };
 
 /// "STL", "OBJ", "PLY", "OFF", "3MF", "glTF" or "VTK".
@@ -21,8 +23,8 @@ std::string_view name_of(MeshEncoding encoding);
 
 /// What a mesh file held, beside the soup read from it.
 struct MeshFileInfo {
-  MeshFormat format = MeshFormat::stl;
-  MeshEncoding encoding = MeshEncoding::ascii;
+  MeshFormat format = MeshFormat::stl;          ///< by content, where the format can be told by it
+  MeshEncoding encoding = MeshEncoding::ascii;  ///< how its numbers stand in it
   std::uint64_t bytes = 0;           ///< size of the file
   std::uint64_t polygons = 0;        ///< faces in the file that have three corners or more
   std::uint64_t polygons_split = 0;  ///< of these, faces with more than three corners, cut into triangles
@@ -67,13 +69,14 @@ Soup read_mesh(const std::string& path, Context& context, MeshFileInfo* info = n
 /// As `read_mesh`, from bytes in memory. @param name used for messages and, by its extension, for the format.
 Soup parse_mesh(std::string_view bytes, const std::string& name, Context& context, MeshFileInfo* info = nullptr);
 
+/// What is to be chosen about a file.
 struct MeshWriteOptions {
   bool ascii = false;  ///< text instead of binary, for STL and PLY; the other formats have one encoding each
 };
 
 /// What a format could not hold.
 struct MeshWriteReport {
-  MeshFormat format = MeshFormat::ply;
+  MeshFormat format = MeshFormat::ply;  ///< by the ending of the name
   double max_rounding = 0;  ///< largest change of a coordinate, model units; only binary STL and glTF (floats) round
   std::uint64_t rounded_vertices = 0;  ///< vertices with a coordinate that changed
   std::vector<std::string> notes;      ///< one sentence each: what was rounded or not written

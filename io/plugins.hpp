@@ -11,8 +11,9 @@ namespace tri {
 
 /// A plug-in that was loaded.
 struct Plugin {
-  std::string path;
-  std::string name, version;           ///< as it says of itself
+  std::string path;                    ///< of the shared object
+  std::string name;                    ///< as it says of itself
+  std::string version;                 ///< its own, as it says
   std::vector<std::string> operators;  ///< names of those it registered, in its order
 };
 

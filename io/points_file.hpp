@@ -11,6 +11,7 @@
 
 namespace tri {
 
+/// The formats of points; `text` is .xyz, .csv and the like, `mesh` the vertices of a mesh file.
 enum class PointsFormat { text, ply, pcd, mesh, ptx, e57 };
 
 /// One position of the scanner, of a file that holds several (PTX, E57).
@@ -22,12 +23,12 @@ struct ScanInfo {
   bool has_pose = false;      ///< the pose is not the identity; it was applied to the points
   std::array<Vec3, 3> rotation{Vec3(1, 0, 0), Vec3(0, 1, 0),
                                Vec3(0, 0, 1)};  ///< rows; point = rotation * own + translation
-  Vec3 translation{0, 0, 0};
+  Vec3 translation{0, 0, 0};                    ///< in the unit of the file
 };
 
 /// What a file of points held, beside the points.
 struct PointsFileInfo {
-  PointsFormat format = PointsFormat::text;
+  PointsFormat format = PointsFormat::text;  ///< by content and ending
   std::uint64_t bytes = 0;  ///< size of the file
   /// Unit of the coordinates where the format defines one ("m" for E57), in the names of the command line; else empty.
   std::string unit;

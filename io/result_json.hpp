@@ -15,6 +15,7 @@ namespace tri {
 /// "auto", "patches" or "shell".
 const char* name_of(Method method);
 
+/// The report of an alignment, as `tri align --report` writes it.
 nlohmann::ordered_json to_json(const AlignResult& result);
 
 /// Everything but the mesh. @param model  the one that was triangulated on

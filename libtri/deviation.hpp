@@ -12,6 +12,7 @@
 
 namespace tri {
 
+/// What counts, and what is pointed out.
 struct DeviationOptions {
   std::optional<Tolerance> tolerance;  ///< mm
   /// mm, > 0: points farther from the model are listed and take no part in the statistics. Without, every point does.
@@ -22,7 +23,8 @@ struct DeviationOptions {
 /// The deviations of the points that lie on one face.
 struct FaceDeviation {
   int face = 0;  ///< 1-based, CadFace::index
-  std::string name, surface_type;
+  std::string name;            ///< from the file, may be empty
+  std::string surface_type;    ///< as `CadFace::surface_type`
   double area = 0;             ///< mm^2
   ValueStatistics statistics;  ///< indices are those of points
 };

@@ -45,6 +45,7 @@ class Registration {
   /// The same on every core, without progress and cancel.
   explicit Registration(const CadModel& model);
   ~Registration();
+  /// The other one can only be destroyed afterwards.
   Registration(Registration&&) noexcept;
 
   /// The global closest point for each of `points` (mm, any order, any number), in their order.

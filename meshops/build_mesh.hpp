@@ -15,7 +15,7 @@ namespace tri {
 
 /// Result of `build_mesh`.
 struct BuiltMesh {
-  Mesh mesh;
+  Mesh mesh;  ///< manifold and coherently oriented; nothing in it is deleted
   /// `vertices_added`: copies made by splitting; `faces_removed`: triangles set aside, with the reason in `skipped`;
   /// figures "triangles reversed", "edges split", "edges cut", "vertices split", "triangles detached"; notes name the
   /// first places of each kind. `touched_faces` were reversed or detached, `touched_vertices` are the copies.
@@ -36,6 +36,7 @@ struct BuiltMesh {
     const auto i = static_cast<std::size_t>(v.idx());
     return i < points ? static_cast<std::uint32_t>(i) : repairs.copied_points[i - points];
   }
+  /// The triangle of the soup that a face was made of.
   std::uint32_t triangle_of(FaceHandle f) const {
     return triangle_of_face.empty() ? static_cast<std::uint32_t>(f.idx())
                                     : triangle_of_face[static_cast<std::size_t>(f.idx())];

@@ -25,15 +25,18 @@ class Context {
   /// Upper bound on worker threads; 0 means every core. Results do not depend on it.
   int threads = 0;
 
+  /// Tells `on_progress`, if there is one. @param share  done of the step, in [0,1]
   void progress(std::string_view step, double share) const {
     if (on_progress) on_progress(step, share);
   }
+  /// Tells `on_log`, if there is one.
   void log(std::string_view line) const {
     if (on_log) on_log(line);
   }
 
   /// Asks the running operation to stop; takes effect at its next checkpoint.
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  /// True once `cancel()` was called; it is never taken back.
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
   /// @throws Cancelled once `cancel()` was called.
   void checkpoint() const;

@@ -27,7 +27,9 @@ class IoError : public Error {
   /// The message becomes "FILE: MESSAGE", "FILE:LINE: MESSAGE" or "FILE: byte N: MESSAGE".
   IoError(std::string file, const std::string& message, Unit unit = Unit::none, std::uint64_t position = 0);
 
+  /// As it was given to the reader or writer.
   const std::string& file() const noexcept { return file_; }
+  /// What `position()` counts; `none` if the error is of the file as a whole.
   Unit unit() const noexcept { return unit_; }
   /// 1-based line or 0-based byte offset, as `unit()` says; 0 without a position.
   std::uint64_t position() const noexcept { return position_; }

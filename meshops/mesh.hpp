@@ -6,9 +6,10 @@
 
 namespace tri {
 
+/// What the default kernel is made of.
 struct MeshTraits : OpenMesh::DefaultTraits {
-  using Point = Vec3;
-  using Normal = Vec3;
+  using Point = Vec3;   ///< positions in double precision
+  using Normal = Vec3;  ///< and normals, where they are requested
   VertexAttributes(OpenMesh::Attributes::Status);
   EdgeAttributes(OpenMesh::Attributes::Status);
   HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge | OpenMesh::Attributes::Status);
@@ -18,10 +19,11 @@ struct MeshTraits : OpenMesh::DefaultTraits {
 /// The default kernel: double positions and status attributes.
 using Mesh = OpenMesh::TriMesh_ArrayKernelT<MeshTraits>;
 
-using VertexHandle = OpenMesh::VertexHandle;
-using EdgeHandle = OpenMesh::EdgeHandle;
+using VertexHandle = OpenMesh::VertexHandle;  ///< 0-based index of a vertex; -1 is none
+using EdgeHandle = OpenMesh::EdgeHandle;      ///< of an edge, whose half-edges are 2 i and 2 i + 1
+/// Of a half-edge, the side of an edge that belongs to the face on its left
 using HalfedgeHandle = OpenMesh::HalfedgeHandle;
-using FaceHandle = OpenMesh::FaceHandle;
+using FaceHandle = OpenMesh::FaceHandle;  ///< of a face
 
 /// Names of the vertex properties that tie a triangulated mesh to its points and its CAD model.
 namespace property {

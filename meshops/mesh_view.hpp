@@ -16,8 +16,8 @@ class ChangeRecorder;
 ///
 /// Operators may add elements and mark elements as deleted; they never collect garbage.
 struct MeshView {
-  OpenMesh::TriConnectivity& mesh;
-  OpenMesh::VPropHandleT<Vec3> position_property;
+  OpenMesh::TriConnectivity& mesh;                 ///< links, status and properties; outlives the view
+  OpenMesh::VPropHandleT<Vec3> position_property;  ///< where the positions are
   /// What may be changed; null: everything. Outlives the view.
   const Selection* selection = nullptr;
   /// Is told of changes; null: nobody is.
@@ -25,10 +25,12 @@ struct MeshView {
   /// What new elements inherit; never null.
   const PropertyPolicy* policy = &PropertyPolicy::standard();
 
+  /// The position of a vertex. An operator writes to it through `set_point`, so that the change is recorded.
   Vec3& point(VertexHandle v) const { return mesh.property(position_property, v); }
 
-  /// What the selection allows; see there.
+  /// What the selection allows (see there): a face that may be deleted, replaced or turned over.
   bool may_replace(FaceHandle f) const { return !selection || selection->may_replace(f); }
+  /// A vertex that may get another position.
   bool may_move(VertexHandle v) const { return !selection || selection->may_move(v); }
   /// Flipped, split or collapsed: true if the one or two faces of the edge may be replaced.
   bool may_change(EdgeHandle e) const {
@@ -47,6 +49,7 @@ struct MeshView {
       if (!selection->may_replace(*f)) return false;
     return true;
   }
+  /// A boundary loop, by its half-edges, that may be filled.
   bool may_fill(std::span<const HalfedgeHandle> loop) const { return !selection || selection->may_fill(mesh, loop); }
 
   /// The same mesh, for operators that are to keep to a selection.
@@ -57,6 +60,7 @@ struct MeshView {
   }
 };
 
+/// True for every instance of OpenMesh::TriMesh_ArrayKernelT, whatever its traits.
 template <class Kernel>
 inline constexpr bool is_triangle_kernel = std::is_base_of_v<OpenMesh::TriConnectivity, Kernel>;
 
@@ -133,9 +137,12 @@ class MeshLease {
 
   /// With the position property of the kernel itself, or a temporary one that ends with the lease.
   MeshView view() { return {kernel_, position_, nullptr, nullptr, &policy_}; }
+  /// So that a lease can be handed to an operator.
   operator MeshView() { return view(); }
 
-   using Point = typename Kernel::Point;
+  /// The type of the kernel's positions.
+  using Point = typename Kernel::Point;
+  /// True if the view is on the kernel's own positions, without a copy.
   static constexpr bool in_place = std::is_same_v<Point, Vec3>;
 
  private:

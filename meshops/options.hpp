@@ -24,17 +24,19 @@ using OptionValue = std::variant<bool, std::int64_t, double, std::string, std::v
 
 /// One option as the command line, JSON, `tri ops` and an editor's sliders see it.
 struct OptionInfo {
+  /// What values it takes: `choice` one of `choices`, `text` any, `numbers` a list of numbers.
   enum class Type { boolean, integer, number, choice, text, numbers };
 
   std::string name;  ///< kebab-case: "max-edges" is `--max-edges` and "max-edges"
-  Type type = Type::boolean;
+  Type type = Type::boolean;  ///< what values it takes
   std::string unit;  ///< "mm", "deg", "edges"; empty for a bare number
   std::string help;  ///< one line without a full stop
-  /// Bounds of an integer, a number or each entry of a list, in `unit`; both belong to the range unless `..._open`.
+  /// Least value of an integer, a number or each entry of a list, in `unit`; belongs to the range unless
+  /// `minimum_open`.
   double minimum = -std::numeric_limits<double>::infinity();
-  double maximum = std::numeric_limits<double>::infinity();
-  bool minimum_open = false;
-  bool maximum_open = false;
+  double maximum = std::numeric_limits<double>::infinity();  ///< greatest value, likewise
+  bool minimum_open = false;                                 ///< values must be above `minimum`
+  bool maximum_open = false;                                 ///< values must be below `maximum`
   bool infinite = false;             ///< "inf" is allowed and means no limit
   std::vector<std::string> choices;  ///< of a choice
 
@@ -44,13 +46,13 @@ struct OptionInfo {
 
 /// What an option needs besides its name and its field; the members are those of `OptionInfo`.
 struct OptionSpec {
-  std::string_view unit = "";
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool min_open = false;
-  bool max_open = false;
-  bool infinite = false;
-  std::string_view help = "";
+  std::string_view unit = "";                             ///< as `OptionInfo::unit`
+  double min = -std::numeric_limits<double>::infinity();  ///< `OptionInfo::minimum`
+  double max = std::numeric_limits<double>::infinity();   ///< `OptionInfo::maximum`
+  bool min_open = false;                                  ///< `OptionInfo::minimum_open`
+  bool max_open = false;                                  ///< `OptionInfo::maximum_open`
+  bool infinite = false;                                  ///< `OptionInfo::infinite`
+  std::string_view help = "";                             ///< one line without a full stop
 };
 
 /// The options of one struct, without its type. Made by `Schema`.
@@ -59,12 +61,14 @@ struct OptionSpec {
 /// to a reference surface, say) can be set from C++ only.
 class OptionSchema {
  public:
+  /// An option and how it is read from and written to an object of the options struct.
   struct Entry {
-    OptionInfo info;
-    std::function<OptionValue(const void* options)> get;
+    OptionInfo info;                                                   ///< name, type, unit and range
+    std::function<OptionValue(const void* options)> get;               ///< the value in the unit of `info`
     std::function<void(void* options, const OptionValue& value)> set;  ///< the value was checked
   };
 
+  /// In the order in which the schema names them.
   const std::vector<Entry>& entries() const { return entries_; }
   /// Nullptr if there is no such option.
   const Entry* find(std::string_view name) const;
@@ -75,9 +79,10 @@ class OptionSchema {
   /// @throws InvalidInput naming key, value and what is allowed, if an option is out of its range.
   void validate(const void* options) const;
 
-  /// Sets one option from a JSON value ("inf" stands for infinity) or from text as on the command line.
+  /// Sets one option from a JSON value ("inf" stands for infinity).
   /// @throws InvalidInput if the key is unknown or the value is not allowed; then `options` is untouched.
   void set_json(void* options, std::string_view name, const Json& value) const;
+  /// The same from text as on the command line: "true", "12.5", "inf", "1,2,3".
   void set_text(void* options, std::string_view name, std::string_view text) const;
 
   /// An object with the options that differ from their defaults (or all of them). Reading it back gives the same
@@ -90,10 +95,11 @@ class OptionSchema {
   Json describe() const;
 
  protected:
+  /// Appends an option. @throws InvalidInput if its name is not kebab-case or taken, or the default is out of range
   void add(Entry entry);
 
-  std::vector<Entry> entries_;
-  std::function<std::shared_ptr<void>()> make_;
+  std::vector<Entry> entries_;                   ///< in the order of the schema
+  std::function<std::shared_ptr<void>()> make_;  ///< makes a struct with default values
 
  private:
   const Entry& at(std::string_view name) const;
@@ -102,6 +108,7 @@ class OptionSchema {
 
 /// Degrees of an angle in radians: the shortest decimal that `to_radians` takes back to the same angle.
 double to_degrees(double radians);
+/// The angle in radians of one in degrees.
 double to_radians(double degrees);
 
 /// Writes the schema of an options struct, in the struct's own files:
@@ -122,6 +129,7 @@ double to_radians(double degrees);
 template <class O>
 class Schema : public OptionSchema {
  public:
+  /// An empty schema; the options are appended by the members below.
   Schema() {
     make_ = [] { return std::static_pointer_cast<void>(std::make_shared<O>()); };
   }
@@ -131,6 +139,7 @@ class Schema : public OptionSchema {
     return with<bool>(name, OptionInfo::Type::boolean, field, spec);
   }
 
+  /// A whole number; the range is that of T unless `spec` narrows it.
   template <std::integral T>
   Schema& integer(std::string_view name, T O::*field, OptionSpec spec) {
     spec.min = std::max(spec.min, static_cast<double>(std::numeric_limits<T>::min()));
@@ -138,6 +147,7 @@ class Schema : public OptionSchema {
     return with<std::int64_t>(name, OptionInfo::Type::integer, field, spec);
   }
 
+  /// A number that is not NaN; infinite only if `spec.infinite`.
   Schema& number(std::string_view name, double O::*field, const OptionSpec& spec) {
     return with<double>(name, OptionInfo::Type::number, field, spec);
   }
@@ -151,6 +161,8 @@ class Schema : public OptionSchema {
         [field](void* o, const OptionValue& v) { static_cast<O*>(o)->*field = to_radians(std::get<double>(v)); });
   }
 
+  /// One of several texts, each of which stands for a value of E. @param choices  (text, value), in the order of the
+  /// help
   template <class E>
   Schema& choice(std::string_view name, E O::*field, std::initializer_list<std::pair<const char*, E>> choices,
                  const OptionSpec& spec) {
@@ -173,6 +185,7 @@ class Schema : public OptionSchema {
         });
   }
 
+  /// Any text, say the name of a property.
   Schema& text(std::string_view name, std::string O::*field, const OptionSpec& spec) {
     return with<std::string>(name, OptionInfo::Type::text, field, spec);
   }

@@ -25,8 +25,9 @@ namespace tri {
 /// line such as `tri run in.stl ! fill-holes ! out.ply` the first and last segment are the program's.
 class Pipeline {
  public:
+  /// One operator with its options.
   struct Step {
-    const Operator* op = nullptr;
+    const Operator* op = nullptr;         ///< of the registry; never null in a pipeline
     std::shared_ptr<const void> options;  ///< points to the operator's own options struct
     bool inserted = false;                ///< a conversion that was left out and is needed
   };
@@ -42,10 +43,12 @@ class Pipeline {
   Pipeline& add(Report (*function)(MeshView, const O&, Context&), const std::type_identity_t<O>& options = {}) {
     return add(reinterpret_cast<Operator::Key>(function), std::make_shared<const O>(options));
   }
+  /// The same for an operator on soups.
   template <class O>
   Pipeline& add(Report (*function)(Soup&, const O&, Context&), const std::type_identity_t<O>& options = {}) {
     return add(reinterpret_cast<Operator::Key>(function), std::make_shared<const O>(options));
   }
+  /// The same for an operator on points.
   template <class O>
   Pipeline& add(Report (*function)(PointSet&, const O&, Context&), const std::type_identity_t<O>& options = {}) {
     return add(reinterpret_cast<Operator::Key>(function), std::make_shared<const O>(options));
@@ -64,11 +67,14 @@ class Pipeline {
   /// there twice, the version is not 1, or a step is wrong.
   static Pipeline from_json(std::string_view text, const Registry& registry = Registry::standard());
 
-  /// Options that have their default value are left out of both. Reading them back gives the same pipeline.
+  /// What `from_tokens` reads. Options that have their default value are left out.
   std::vector<std::string> to_tokens() const;
+  /// What `from_json` reads. Options that have their default value are left out.
   Json to_json() const;
 
+  /// In the order in which they were added; conversions that will be inserted are not among them, see `plan`.
   const std::vector<Step>& steps() const { return steps_; }
+  /// True if there is no step; such a pipeline runs, and does nothing.
   bool empty() const { return steps_.empty(); }
 
   /// The steps that run on an input of this domain, inserted conversions included.

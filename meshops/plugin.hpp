@@ -11,6 +11,7 @@
 #define TRI_PLUGIN_TEXT_OF(x) #x
 #define TRI_PLUGIN_TEXT(x) TRI_PLUGIN_TEXT_OF(x)
 
+/// @cond  Parts of TRI_PLUGIN_INTERFACE.
 #if defined(__clang__)
 #define TRI_PLUGIN_COMPILER "Clang " TRI_PLUGIN_TEXT(__clang_major__)
 #elif defined(__GNUC__)
@@ -28,6 +29,7 @@
 #else
 #define TRI_PLUGIN_LIBRARY "libstdc++"
 #endif
+/// @endcond
 
 /// What a plug-in and the program that loads it must have in common, as one line of text: the versions of tri, OpenMesh and
 /// nlohmann-json, the compiler and its standard library. Two that say the same may be put together.
@@ -41,9 +43,9 @@ namespace tri {
 /// What a plug-in says of itself; `TRI_PLUGIN` makes it.
 struct PluginInfo {
   const char* interface_text;  ///< "tri plug-in {…}" around the plug-in's TRI_PLUGIN_INTERFACE
-  const char* name;
-  const char* version;
-  void (*register_operators)(Registry& registry);
+  const char* name;            ///< for messages
+  const char* version;         ///< the plug-in's own, for messages
+  void (*register_operators)(Registry& registry);  ///< adds its operators; may throw
 };
 
 }  // namespace tri

@@ -19,11 +19,14 @@ constexpr std::uint64_t mix_bits(std::uint64_t z) {
 /// Streams with different `stream` or `substream` are independent, so that each point of a parallel loop has its own.
 class RandomStream {
  public:
+  /// The same three numbers give the same sequence.
   explicit RandomStream(std::uint64_t seed, std::uint64_t stream = 0, std::uint64_t substream = 0);
 
+  /// The next 64 random bits.
   std::uint64_t bits();
   /// In [0, 1), a multiple of 2^-53.
   double uniform();
+  /// In [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// In [0, count); `count` > 0. The bias is below count / 2^64.
   std::uint64_t below(std::uint64_t count);

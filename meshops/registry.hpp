@@ -37,11 +37,15 @@ class Operator {
 
   const std::string& name() const { return name_; }        ///< kebab-case: "fill-holes"
   const std::string& summary() const { return summary_; }  ///< one line
+  /// What it works on
   Domain domain() const { return domain_; }
   /// What it leaves: its own domain, but for the two conversions, "build-mesh" and "to-soup".
   Domain result() const { return result_; }
+  /// Its options; lives as long as the program (or the plug-in).
   const OptionSchema& schema() const { return *schema_; }
+  /// What every run keeps to.
   const Promises& promises() const { return promises_; }
+  /// The function it was registered with; equal for the same function only.
   Key key() const { return key_; }
 
   /// Runs on a mesh in place, also an operator on soups (see `run_on_mesh`); the report has its `operation` and `seconds`
@@ -49,8 +53,9 @@ class Operator {
   /// @throws InvalidInput if an option is out of range or this is a conversion or works on points; else what the operator's header
   /// says.
   Report run(MeshView mesh, const void* options, Context& context) const;
-  /// The same for operators on points, and for those on soups.
+  /// On points in place. @throws InvalidInput if it does not work on points
   Report run(PointSet& points, const void* options, Context& context) const;
+  /// On a soup in place. @throws InvalidInput if it does not work on soups
   Report run(Soup& soup, const void* options, Context& context) const;
   /// The same for any operator, conversions included, on a geometry of its domain.
   Report run(Geometry& geometry, const void* options, Context& context) const;
@@ -86,15 +91,20 @@ class Operator {
 /// pipelines; nothing is global.
 class Registry {
  public:
+  /// Without any operator.
   Registry() = default;
+  /// Shares the operators and keeps the plug-ins loaded; adding to one does not change the other.
   Registry(const Registry&) = default;
+  /// Leaves the other one empty.
   Registry(Registry&&) noexcept = default;
+  /// The operators it had are released before the plug-ins that hold their code.
   Registry& operator=(Registry other) noexcept;
   ~Registry() = default;
 
   /// Every operator of meshops; immutable, safe to read from any thread.
   static const Registry& standard();
 
+  /// Registers an operator on meshes with options O. @param summary  one line without a full stop
   /// @throws InvalidInput if the name is not kebab-case or taken.
   template <class O>
   void add(std::string_view name, Report (*function)(MeshView, const O&, Context&), std::string_view summary,
@@ -105,6 +115,7 @@ class Registry {
       return function(mesh, *static_cast<const O*>(options), context);
     };
   }
+  /// The same for an operator on soups.
   template <class O>
   void add(std::string_view name, Report (*function)(Soup&, const O&, Context&), std::string_view summary,
            Promises promises = {}) {
@@ -114,6 +125,7 @@ class Registry {
       return function(soup, *static_cast<const O*>(options), context);
     };
   }
+  /// The same for an operator on points.
   template <class O>
   void add(std::string_view name, Report (*function)(PointSet&, const O&, Context&), std::string_view summary,
            Promises promises = {}) {
@@ -135,6 +147,7 @@ class Registry {
   const std::vector<std::shared_ptr<const Operator>>& operators() const { return operators_; }
   /// Nullptr if there is none.
   const Operator* find(std::string_view name) const;
+  /// By the function it was registered with; nullptr if there is none.
   const Operator* find(Operator::Key function) const;
   /// @throws InvalidInput naming all operators if there is none of this name.
   const Operator& at(std::string_view name) const;

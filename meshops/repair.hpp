@@ -17,8 +17,9 @@ enum class RepairGoal {
   surface     ///< manifold and coherently oriented; open where it was open
 };
 
+/// What the result is to be, and how far it may be from what was given.
 struct RepairOptions {
-  RepairGoal goal = RepairGoal::automatic;
+  RepairGoal goal = RepairGoal::automatic;  ///< what the result is to be
   /// How far the surface may move, as a share of the diagonal of the bounding box; in [0, 0.1]. A bound for both
   /// directions: no place of the surface that was given ends farther than this from the result, and no place of the
   /// result lies farther from the surface that was given, but for new faces that close holes, where nothing was given.
@@ -33,8 +34,8 @@ struct RepairOptions {
 /// Where a step changed something: an element of the mesh as the step left it, and its (middle's) position.
 struct RepairPlace {
   bool is_triangle = true;  ///< else a vertex
-  std::uint32_t index = 0;
-  Vec3 at{0, 0, 0};
+  std::uint32_t index = 0;  ///< of the triangle or vertex
+  Vec3 at{0, 0, 0};         ///< where it is, in model units
 };
 
 /// How far the result is from the input, model units: the greatest distances found, of which some may be missed by as

@@ -38,9 +38,12 @@ class Selection {
   /// @throws InvalidInput if the mesh has no status attributes.
   static Selection of_status(const OpenMesh::TriConnectivity& mesh);
 
+  /// A face that may be deleted, replaced or turned over; every face added since the selection was made.
   bool may_replace(FaceHandle f) const { return contains(faces_, f); }
+  /// A vertex that may get another position; every vertex added since.
   bool may_move(VertexHandle v) const { return contains(vertices_, v); }
   /// @param loop  half-edges of a boundary loop
+  /// A boundary loop that may be closed by new faces.
   bool may_fill(const OpenMesh::TriConnectivity& mesh, std::span<const HalfedgeHandle> loop) const;
 
  private:

@@ -17,7 +17,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 ///
 /// Every mesh file is read into a soup, because a half-edge structure cannot hold all that a file can.
 struct Soup {
-  std::vector<Vec3> points;
+  std::vector<Vec3> points;         ///< in the unit of the file; used by a triangle or not
   std::vector<Triangle> triangles;  ///< every index is below points.size()
 
   /// Optional per-vertex values by name (say "deviation"); each vector has points.size() entries.

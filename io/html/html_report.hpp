@@ -15,27 +15,30 @@ namespace tri {
 
 /// A number that a reader should see first.
 struct HtmlFigure {
-  std::string label, value, detail;  ///< "standard deviation", "0.021 mm", "of 3,400 points"
-  bool alarm = false;                ///< shown in red
+  std::string label;   ///< "standard deviation"
+  std::string value;   ///< "0.021 mm"
+  std::string detail;  ///< "of 3,400 points"; may be empty
+  bool alarm = false;  ///< shown in red
 };
 
 /// Texts in rows and columns. Every row has as many cells as there are columns.
 struct HtmlTable {
-  std::string title;
+  std::string title;    ///< plain text
   std::string caption;  ///< below the title; may be empty
+  /// What stands in a column.
   struct Column {
-    std::string title;
+    std::string title;    ///< plain text
     bool number = false;  ///< flushed right, and sorted as a number
   };
-  std::vector<Column> columns;
-  std::vector<std::vector<std::string>> rows;
+  std::vector<Column> columns;                 ///< from left to right
+  std::vector<std::vector<std::string>> rows;  ///< plain text, one entry for each column
   /// Face that a click on the row shows, per row, 1-based, 0 for none; or empty.
   std::vector<int> faces;
 };
 
 /// A place that is pointed out in the picture and in a table.
 struct HtmlSpot {
-  Vec3 position{0, 0, 0};
+  Vec3 position{0, 0, 0};          ///< in the coordinates of the scene
   Vec3 normal{0, 0, 0};            ///< outward; (0,0,0) if it is not known
   std::string text;                ///< what the pin says: "+0.123 mm, face 7"
   std::vector<std::string> cells;  ///< its row in the table of spots
@@ -46,22 +49,22 @@ struct HtmlReport {
   std::string title;                                       ///< of the page
   std::string kind = "Deviation report";                   ///< above the title
   std::vector<std::pair<std::string, std::string>> facts;  ///< below the title: label and text
-  std::vector<HtmlFigure> figures;
+  std::vector<HtmlFigure> figures;                         ///< shown large, in this order
 
   /// The part in colour: triangles, or points if it has none. Not null. Colours are by `vertex_scalars["deviation"]`
   /// (grey where that is missing or NaN); `vertex_scalars["cad_face"]` says which face a vertex lies on, if it is
   /// there.
   const Soup* scene = nullptr;
   const Soup* backdrop = nullptr;  ///< drawn in grey behind points; may be null
-  DeviationScale scale;
+  DeviationScale scale;            ///< colours of the scene
   std::string scale_note;  ///< one sentence: where the ends of the scale come from
-  std::string unit = "mm";
-  std::optional<Histogram> histogram;
+  std::string unit = "mm";             ///< of deviations, shown beside them
+  std::optional<Histogram> histogram;  ///< of deviations; shown if given
   std::optional<double> mean;  ///< marked in the histogram
 
-  std::vector<HtmlTable::Column> spot_columns;
-  std::vector<HtmlSpot> spots;
-  std::vector<HtmlTable> tables;
+  std::vector<HtmlTable::Column> spot_columns;              ///< of the table of `spots`
+  std::vector<HtmlSpot> spots;                              ///< pins 1, 2, … in this order
+  std::vector<HtmlTable> tables;                            ///< shown after the spots
   std::vector<std::pair<std::string, std::string>> blocks;  ///< title and preformatted text, shown last: pose, options
   std::vector<std::string> notes;                           ///< what a reader must know, one sentence each
 

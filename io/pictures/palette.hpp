@@ -20,9 +20,12 @@ Vec3 sequential_color(double t);
 /// How deviations are coloured: by `diverging_color` from blue at `low` through near white at 0 (at the middle, if 0 is not
 /// between) to red at `high`.
 struct DeviationScale {
-  double low = -1, high = 1;  ///< low < high
-  bool tolerance = false;     ///< the ends are a tolerance: what is beyond has a colour of its own, cyan below, magenta above
+  double low = -1;  ///< the value that is blue
+  double high = 1;  ///< the value that is red; above `low`
+  /// The ends are a tolerance: what is beyond has a colour of its own, cyan below, magenta above.
+  bool tolerance = false;
 };
+/// RGB in [0,1] of a value; that of `missing_color` for NaN.
 Vec3 deviation_color(double value, const DeviationScale& scale);
 
 /// For what has no value.

@@ -12,11 +12,13 @@ using Color = std::array<std::uint8_t, 3>;
 
 /// An image of `width` x `height` pixels, rows from top to bottom.
 struct Picture {
-  int width = 0;
-  int height = 0;
+  int width = 0;              ///< pixels
+  int height = 0;             ///< pixels
   std::vector<Color> pixels;  ///< width * height entries
 
+  /// The pixel in column x from the left and row y from the top, 0-based, inside of the picture.
   const Color& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  /// The same, to be written to.
   Color& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
 };
 

@@ -39,7 +39,7 @@ struct RenderOptions {
   /// Far end of the palette in the scalar's unit, above 0: [-range, range] for the diverging, [0, range] for the sequential
   /// palette. Without, the 98th percentile of absolute values, and the 2nd to the 98th percentile.
   std::optional<double> range;
-  Color background{255, 255, 255};
+  Color background{255, 255, 255};  ///< RGB of pixels without a part
 };
 
 /// "plain", "colors", "categories", "diverging" or "sequential".
@@ -47,9 +47,10 @@ const char* name_of(Palette palette);
 
 /// A picture and what it shows.
 struct Rendering {
-  Picture picture;
-  Palette palette = Palette::plain;
-  double low = 0, high = 0;       ///< ends of the palette, for `diverging` and `sequential`
+  Picture picture;                   ///< of the size that was asked for
+  Palette palette = Palette::plain;  ///< the one that was used
+  double low = 0;                    ///< value at the lower end of the palette, for `diverging` and `sequential`
+  double high = 0;                   ///< value at its upper end
   std::size_t categories = 0;     ///< distinct numbers, for `categories`
   double covered = 0;             ///< share of the picture that shows the part, [0,1]
   double back = 0;                ///< share of the covered part that shows backs of triangles, [0,1]

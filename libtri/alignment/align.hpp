@@ -17,6 +17,7 @@
 
 namespace tri {
 
+/// Where the search for a pose begins.
 enum class AlignMode {
   automatic,  ///< from nothing, unless the points already lie on the model or a start is given
   icp,        ///< refinement from the start, or from the points as they are
@@ -26,10 +27,11 @@ enum class AlignMode {
 /// "auto", "icp" or "none". @throws InvalidInput for any other name.
 AlignMode align_mode(std::string_view name);
 
+/// How a pose is sought, and how residuals are weighed.
 struct AlignOptions {
-  AlignMode mode = AlignMode::automatic;
+  AlignMode mode = AlignMode::automatic;  ///< where the search begins
   std::optional<Pose> start;  ///< where refinement begins; nothing is searched then
-  Metric metric = Metric::plane;
+  Metric metric = Metric::plane;  ///< what is least in the refinement
   double keep = 1;          ///< share of the points that count in each step, in (0, 1]; Tukey's weights act in any case
   double probe_radius = 0;  ///< mm, >= 0: the points are centres of a ball of this radius that touched the part
   std::uint64_t seed = 1;   ///< of every random choice
@@ -38,34 +40,37 @@ struct AlignOptions {
   std::size_t most_points = 200000;
 };
 
+/// How far the pose can be relied on.
 enum class AlignStatus {
   good,       ///< one pose, clearly better than all others found
   ambiguous,  ///< it fits, but other poses fit as well, or a motion is not fixed, or part of the points does not lie on
               ///< it
   failed,     ///< the points do not fit the model
 };
+/// "good", "ambiguous" or "failed", as in reports.
 const char* name_of(AlignStatus status);
 
 /// A pose that fits as well as the one chosen, within the noise.
 struct Alternative {
-  Pose pose;
+  Pose pose;          ///< takes the points to the model
   Pose motion;        ///< of the model, from the chosen pose to this one
   std::string words;  ///< the motion, for a person
-  FitQuality quality;
-  double coverage = 0;
+  FitQuality quality;   ///< of this pose
+  double coverage = 0;  ///< share of the model's area near which there are points in this pose
 };
 
+/// The pose that was found, how well it fits, and what else would.
 struct AlignResult {
   Pose pose;  ///< takes the points to the model; the identity bit for bit if `kept`
-  AlignStatus status = AlignStatus::failed;
+  AlignStatus status = AlignStatus::failed;  ///< failed unless the points fit
   std::vector<std::string> reasons;  ///< why it is not good, one sentence each, with numbers
   std::vector<std::string> notes;    ///< what else a person should know
   bool kept = false;      ///< the points already lay on the model, and refinement is no better by more than noise
   bool searched = false;  ///< poses from nothing were tried
   int iterations = 0;     ///< of the refinement of the chosen pose
-  FitQuality quality;
+  FitQuality quality;     ///< of the chosen pose
   double coverage = 0;  ///< share of the model's area near which there are points
-  PoseInformation information;
+  PoseInformation information;            ///< what the points fix of the chosen pose
   std::vector<Alternative> alternatives;  ///< fit as well, best first; free motions are not repeated here
   double unit_factor = 1;                 ///< not 1: the points fit when multiplied by this, so their unit is another
   std::uint64_t points_used = 0;          ///< in the last steps

@@ -23,7 +23,7 @@ struct PointResidual {
 
 /// What the residuals are measured against.
 struct FitTarget {
-  const Registration& registration;
+  const Registration& registration;  ///< of the model; outlives this
   double diagonal = 1;      ///< mm, of the model
   double probe_radius = 0;  ///< mm, >= 0: the points are centres of a ball that touched the part
 
@@ -48,20 +48,22 @@ enum class Metric {
   point,  ///< squared distance to the closest point, solved by SVD [Ristic et al. 2000; Besl & McKay 1992]: many steps
 };
 
+/// How a pose is refined: kernels from wide to narrow, then Tukey's weights until it stands still.
 struct RefineOptions {
-  Metric metric = Metric::plane;
+  Metric metric = Metric::plane;  ///< what is least
   double first_kernel = 0;  ///< mm: scale of a Geman-McClure kernel in the first step; 0: Tukey from the start
   double last_kernel = 0;   ///< mm: its scale in the last of the kernel's steps
-  int kernel_steps = 0;
+  int kernel_steps = 0;     ///< steps in which the kernel shrinks from the first to the last scale; 0: none
   int max_steps = 30;    ///< with Tukey's weights
   double tolerance = 0;  ///< mm: a step that moves the points less (rms) is the last
   double keep = 1;       ///< share of the points that count, those with the least residuals, in (0, 1]
 };
 
+/// A pose, and what is left of the distances.
 struct Refined {
-  Pose pose;
-  int steps = 0;
-  bool converged = false;
+  Pose pose;                             ///< takes the points to the model
+  int steps = 0;                         ///< that were taken
+  bool converged = false;                ///< the last step moved the points by less than the tolerance
   std::vector<PointResidual> residuals;  ///< before the last step, which was below the tolerance if converged
 };
 

@@ -29,6 +29,7 @@ struct FitQuality {
 
 /// For each point its four nearest others; itself in place of those that are missing or much farther away than usual.
 using Neighbourhood = std::vector<std::array<std::uint32_t, 4>>;
+/// The neighbourhood of each of `points`, in their order. @throws Cancelled
 Neighbourhood neighbourhood(std::span<const Vec3> points, const Context& context);
 
 /// What shares like 0.5% below are taken of: the model's diagonal, or three times a small scan's radius.

@@ -9,9 +9,11 @@
 
 namespace tri {
 
+/// The same three numbers, for Eigen.
 inline Eigen::Vector3d to_eigen(const Vec3& v) {
   return {v[0], v[1], v[2]};
 }
+/// The same three numbers, for OpenMesh.
 inline Vec3 to_vec(const Eigen::Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
@@ -19,8 +21,9 @@ inline Vec3 to_vec(const Eigen::Vector3d& v) {
 /// A rigid motion: x becomes rotation * x + translation (mm).
 struct Pose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< orthonormal, determinant +1
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   ///< mm; applied after the rotation
 
+  /// Where a point goes.
   Vec3 operator()(const Vec3& p) const { return to_vec(rotation * to_eigen(p) + translation); }
   /// A direction, which is turned and not moved.
   Vec3 turn(const Vec3& d) const { return to_vec(rotation * to_eigen(d)); }
@@ -28,7 +31,9 @@ struct Pose {
   Pose operator*(const Pose& other) const {
     return {rotation * other.rotation, rotation * other.translation + translation};
   }
+  /// The motion that takes everything back, but for rounding.
   Pose inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation)}; }
+  /// True if every number is exactly that of the identity: no point changes by a bit.
   bool is_identity() const { return rotation.isIdentity(0) && translation.isZero(0); }
   /// Row-major 4x4, last row 0 0 0 1.
   std::array<std::array<double, 4>, 4> matrix() const;
@@ -56,6 +61,7 @@ struct MotionParts {
   double slide = 0;                                 ///< mm, along the axis
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< mm, where the centre goes, relative to where it was
 };
+/// Takes a motion apart. @param centre  mm; the axis is given by its point nearest to this one
 MotionParts parts_of(const Pose& motion, const Vec3& centre);
 
 /// "turned by 180 degrees about (0, 0, 1) through (10, 5, 0)" or "moved by (0, 2, 0) mm".

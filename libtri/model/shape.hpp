@@ -12,10 +12,14 @@ namespace tri {
 class Shape {
  public:
   struct Impl;  ///< defined in libtri/model/shape_occt.hpp, for the few files that wrap OpenCASCADE
+  /// Holds nothing.
   Shape() = default;
+  /// For the files that wrap OpenCASCADE.
   explicit Shape(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
+  /// True if it holds nothing; only such a shape has no `impl`.
   bool empty() const noexcept { return impl_ == nullptr; }
+  /// What OpenCASCADE works on; must not be empty.
   const Impl& impl() const { return *impl_; }
 
  private:

@@ -32,11 +32,13 @@ Tessellation tessellate(const CadModel& model, double deflection, double angle, 
 
 /// Connected components, boundary loops and Euler characteristic V - E + F of a manifold triangle mesh given by neighbours.
 struct SurfaceTopology {
-  long components = 0;
-  long loops = 0;
-  long euler = 0;
+  long components = 0;  ///< triangles joined over sides
+  long loops = 0;       ///< closed runs of sides without a neighbour
+  long euler = 0;       ///< V - E + F over the vertices that triangles use
+  /// True if all three are the same.
   bool operator==(const SurfaceTopology&) const = default;
 };
+/// Counts them in linear time. @param neighbors  of each triangle across the side opposite corner k; -1 for none
 SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vector<std::array<std::int32_t, 3>>& neighbors);
 
 }  // namespace tri

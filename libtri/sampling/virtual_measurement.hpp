@@ -22,9 +22,10 @@ enum class SamplingPattern {
 /// "random", "scan" or "grid". @throws InvalidInput for any other name.
 SamplingPattern sampling_pattern(std::string_view name);
 
+/// How many points are measured where, and how well.
 struct MeasurementOptions {
   std::uint64_t points = 10000;  ///< exactly this many are made, 1 to 1e9, outliers included
-  SamplingPattern pattern = SamplingPattern::random;
+  SamplingPattern pattern = SamplingPattern::random;  ///< where the points lie
   double line_ratio = 10;  ///< scan: distance between lines over distance along a line, in [1, 1000]
   double noise = 0;        ///< mm, standard deviation of a Gaussian along the normal, >= 0
   double outliers = 0;     ///< share of points moved away from the model by 1% to 10% of its diagonal, in [0, 1]
@@ -42,7 +43,7 @@ struct MeasurementOptions {
 
   bool move = false;     ///< a random rigid motion, its translation up to one diagonal along each axis
   bool shuffle = false;  ///< random order of the points
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;  ///< the same seed and model give the same points
 };
 
 /// Where a measured point truly lies, in the model's frame.
@@ -54,6 +55,7 @@ struct TruePoint {
   Vec3 normal{0, 0, 0};   ///< unit, outward as the face is oriented; zero where the surface has none (a pole)
 };
 
+/// Points as a machine would measure them, and the truth about each.
 struct VirtualMeasurement {
   std::vector<Vec3> points;      ///< as measured: with noise, outliers and motion
   std::vector<TruePoint> truth;  ///< one for each point, in the same order

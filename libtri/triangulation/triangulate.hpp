@@ -29,9 +29,10 @@ enum class Unmeasured {
   span,  ///< bridged by long triangles, so that the topology is the model's
 };
 
+/// How points become one mesh, and what becomes of regions without points.
 struct TriangulateOptions {
-  Method method = Method::automatic;
-  Unmeasured unmeasured = Unmeasured::hole;
+  Method method = Method::automatic;         ///< which of the two ways
+  Unmeasured unmeasured = Unmeasured::hole;  ///< what becomes of regions without points
   double hole_size = 3;                    ///< local point spacings, > 0: radius of the largest disc without points that is closed
   std::optional<double> outlier_distance;  ///< mm, > 0: points farther from the model are outliers; by default from the points' own spread
   bool keep_patches = false;               ///< also return the mesh before stitching; runs the steps of `patches` for it
@@ -40,8 +41,8 @@ struct TriangulateOptions {
 /// What one face of the model received.
 struct FaceCoverage {
   int face = 0;             ///< 1-based, CadFace::index
-  std::string name;
-  std::uint64_t points = 0;
+  std::string name;         ///< from the file, may be empty
+  std::uint64_t points = 0;  ///< that were taken to lie on this face
   double area = 0;          ///< mm^2
   std::string method;       ///< "shell" or "patches"
 };
@@ -66,6 +67,7 @@ struct TriangulationChecks {
   std::uint64_t unused_points = 0;     ///< points that are neither vertex nor reported as outlier or duplicate; 0 unless broken
 };
 
+/// The mesh, and what a report says of it.
 struct TriangulateResult {
   Mesh mesh;                             ///< with the properties of `property` (meshops/mesh.hpp)
   std::optional<Mesh> patches;           ///< before stitching, when asked for
@@ -73,8 +75,8 @@ struct TriangulateResult {
   std::vector<std::uint32_t> duplicates; ///< points equal to an earlier one, ascending
   std::vector<FaceCoverage> faces;       ///< in the order of CadModel::faces
   std::vector<int> unmeasured_faces;     ///< 1-based faces without any point
-  std::vector<UnmeasuredRegion> holes;
-  TriangulationChecks checks;
+  std::vector<UnmeasuredRegion> holes;   ///< regions without points, open or spanned
+  TriangulationChecks checks;            ///< of the mesh
   double sigma = 0;                      ///< mm, robust standard deviation of the deviations
   Method method = Method::shell;         ///< the one that was kept
   std::string method_reason;             ///< one sentence

@@ -13,6 +13,7 @@
 
 namespace tri {
 
+/// From what on something is called a defect.
 struct MeshCheckOptions {
   double needle = 1e-3;                ///< height over longest side below which a triangle is called a needle
   double t_junction_tolerance = 1e-6;  ///< share of the diagonal within which a vertex is on a boundary edge
@@ -29,8 +30,8 @@ enum class SurfaceKind {
 
 /// Everything that may be wrong with a mesh, and where.
 struct MeshCheck {
-  MeshSummary summary;
-  MeshPlaces places;
+  MeshSummary summary;  ///< counts and sizes
+  MeshPlaces places;    ///< where the defects are that the summary counts
 
   /// Triangles whose corners lie exactly on one line, those that name a vertex twice included.
   std::vector<std::uint32_t> degenerate;
@@ -41,6 +42,7 @@ struct MeshCheck {
   std::vector<std::array<std::uint32_t, 2>> coincident_vertices;
   /// Places where boundary edges coincide, so that welding would join them.
   std::uint64_t open_seams = 0;
+  /// Vertices on boundary sides of triangles that do not have them as a corner.
   std::vector<TJunction> t_junctions;
   /// Closed and coherently oriented shells that face inward and are no cavity of a solid, each by its first triangle.
   std::vector<std::uint32_t> inside_out;
@@ -49,9 +51,11 @@ struct MeshCheck {
   std::vector<std::uint32_t> nested_solids;
   /// Pairs of triangles that meet in more than the corners and sides they share; vertices at the same place count as the same.
   std::vector<std::array<std::uint32_t, 2>> self_intersections;
+  /// Parts joined over edges, as `soup_components` gives them.
   std::vector<SoupComponent> components;
 
   bool watertight = false;  ///< no boundary, manifold, coherently oriented; and there is a triangle
+  /// What the whole is called in a verdict.
   SurfaceKind kind = SurfaceKind::none;
 
   /// The number of defects of each kind that has any, by name: "non-manifold edges" … Needles, coincident vertices and solids

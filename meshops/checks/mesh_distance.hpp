@@ -9,11 +9,12 @@
 
 namespace tri {
 
+/// How exactly is measured.
 struct MeshDistanceOptions {
   /// Random places on each surface that mean and rms are taken over; without, as many as the surface has vertices, but
   /// at least 100,000.
   std::optional<std::uint64_t> samples;
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;  ///< of the random places; the same seed gives the same numbers
   /// The greatest distance is narrowed down until its bounds differ by less than this share of it (> 0), or by a
   /// millionth of the diagonal.
   double relative_error = 0.01;
@@ -27,7 +28,8 @@ struct OneSidedDistance {
   /// For every vertex of the first mesh, used by a triangle or not: the distance, positive on the side that the
   /// second's triangles face, negative on the other (see SurfaceSide).
   std::vector<double> vertices;
-  double mean = 0, rms = 0;   ///< over the area of the first surface, by the samples
+  double mean = 0;            ///< of the unsigned distance over the area of the first surface, by the samples
+  double rms = 0;             ///< root of its mean square, likewise
   double mean_error = 0;      ///< standard error of `mean`, from above
   std::uint64_t samples = 0;  ///< how many; 0 if the first has no area: mean and rms are then those of its vertices
   double area = 0;            ///< of the first surface
@@ -37,12 +39,14 @@ struct OneSidedDistance {
   Vec3 foot{0, 0, 0};         ///< on the second, closest to `place`
 };
 
+/// How far two surfaces are apart, in model units.
 struct MeshDistance {
   OneSidedDistance forward;    ///< from the first mesh to the second
   OneSidedDistance backward;   ///< from the second to the first
   double hausdorff = 0;        ///< the greater of the two `max`
   double hausdorff_bound = 0;  ///< the greater of the two `max_bound`: the Hausdorff distance lies between
-  double mean = 0, rms = 0;    ///< over both surfaces together, weighted by area
+  double mean = 0;             ///< over both surfaces together, weighted by area
+  double rms = 0;              ///< likewise
 };
 
 /// Compares two surfaces, whatever their triangles.

@@ -10,9 +10,9 @@ namespace tri {
 
 /// What a person wants to know about triangles before working on them. Lengths are in the mesh's own unit.
 struct MeshSummary {
-  std::uint64_t vertices = 0;
+  std::uint64_t vertices = 0;         ///< all of them
   std::uint64_t unused_vertices = 0;  ///< in no triangle
-  std::uint64_t triangles = 0;
+  std::uint64_t triangles = 0;        ///< all, degenerate and duplicate ones included
   std::uint64_t edges = 0;            ///< distinct pairs of vertices; a triangle that names a vertex twice has none
 
   std::uint64_t boundary_edges = 0;      ///< of one triangle
@@ -31,20 +31,23 @@ struct MeshSummary {
   bool oriented = false;  ///< no misoriented and no non-manifold edge
   bool closed = false;    ///< no boundary edge, and at least one triangle
 
-  Vec3 box_min{0, 0, 0}, box_max{0, 0, 0};  ///< of all vertices
-  double area = 0;
+  Vec3 box_min{0, 0, 0};  ///< least coordinates of all vertices
+  Vec3 box_max{0, 0, 0};  ///< greatest ones
+  double area = 0;        ///< of all triangles
   double volume = 0;  ///< enclosed, negative if inside out; 0 unless closed and oriented
-  double shortest_edge = 0, mean_edge = 0, longest_edge = 0;
+  double shortest_edge = 0;  ///< length; 0 without edges
+  double mean_edge = 0;      ///< of the lengths of `edges`
+  double longest_edge = 0;   ///< length
 };
 
 /// Where the defects are that a `MeshSummary` counts.
 struct MeshPlaces {
-  std::vector<std::uint32_t> unused_vertices;
+  std::vector<std::uint32_t> unused_vertices;                      ///< ascending
   std::vector<std::uint32_t> repeated_corners;                     ///< triangles
   std::vector<std::uint32_t> duplicate_triangles;                  ///< the later ones
   std::vector<std::array<std::uint32_t, 2>> nonmanifold_edges;     ///< by their ends, the lower first
   std::vector<std::array<std::uint32_t, 2>> misoriented_edges;     ///< the same
-  std::vector<std::uint32_t> nonmanifold_vertices;
+  std::vector<std::uint32_t> nonmanifold_vertices;                 ///< ascending
   /// Vertices along each boundary loop, in the direction of the triangle at its first edge. A loop that cannot be
   /// followed in one piece, because of non-manifold edges on its way, is there in pieces.
   std::vector<std::vector<std::uint32_t>> boundary_loops;

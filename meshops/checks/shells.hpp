@@ -17,7 +17,7 @@ struct Shell {
   std::uint64_t reversed = 0;            ///< of these, triangles that have to be turned around to agree with the others
   /// Every edge has, among these triangles turned as said, as many that run along it one way as the other.
   bool closed = false;
-  double area = 0;
+  double area = 0;    ///< of all its triangles
   double volume = 0;  ///< enclosed by the triangles turned as said, negative if inside out; 0 unless closed
   int depth = 0;      ///< number of other closed shells around it; 0 unless closed and `find_depths` was called
   int winding = 0;    ///< how often those wind round it: outward ones count 1, others -1
@@ -25,7 +25,7 @@ struct Shell {
 
 /// The shells of a soup and the orientation in which the triangles of each agree.
 struct Shells {
-  static constexpr std::uint32_t none = 0xffffffff;
+  static constexpr std::uint32_t none = 0xffffffff;  ///< in place of the index of a shell
   std::vector<Shell> shells;               ///< in the order of their first triangles
   std::vector<std::uint32_t> of_triangle;  ///< `none` for a triangle that names a vertex twice
   std::vector<char> reversed;              ///< 1: the triangle has to be turned; the majority of each shell stays
@@ -51,6 +51,7 @@ inline bool is_inside_out(const Shell& shell) {
 /// Whether places are inside of closed triangles.
 class InsideTest {
  public:
+  /// Where a place lies; `on`: on a triangle, exactly.
   enum class Where { outside, inside, on };
 
   /// @param listed indices of triangles; each of their edges has an even number of them. The soup must outlive this

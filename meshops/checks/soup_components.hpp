@@ -11,8 +11,8 @@ namespace tri {
 
 /// A set of triangles joined over edges, of however many triangles.
 struct SoupComponent {
-  std::uint64_t triangles = 0;
-  double area = 0;
+  std::uint64_t triangles = 0;  ///< how many
+  double area = 0;              ///< their sum
   double volume = 0;           ///< enclosed by its closed shells as they are oriented in the majority; signed
   double absolute_volume = 0;  ///< the same, each shell taken as positive
   bool closed = true;          ///< every shell of it is closed

@@ -20,12 +20,13 @@ struct FarPlace {
 
 /// Whether a triangle stays within reach of a surface.
 struct ReachOfTriangle {
+  /// Whether every place of the triangle lies within reach.
   enum class Verdict {
     within,    ///< all of it, proven
     beyond,    ///< `far` is a place of it that is farther away
     undecided  ///< after as many pieces as were allowed
   };
-  Verdict verdict = Verdict::within;
+  Verdict verdict = Verdict::within;  ///< of all its places
   FarPlace far;  ///< its `triangle` is 0
 };
 
@@ -37,6 +38,7 @@ struct ReachOfTriangle {
 ReachOfTriangle reach_of(const std::array<Vec3, 3>& triangle, const ClosestTriangle& surface, double reach,
                          std::size_t most_pieces, std::uint32_t& hint);
 
+/// Where triangles reach farther than they may.
 struct PlacesBeyond {
   std::vector<FarPlace> places;  ///< one of each triangle that has any, in order of the triangles
   std::size_t undecided = 0;     ///< triangles of which no place was found, and not proven that there is none

@@ -12,8 +12,10 @@ namespace tri {
 
 /// A band of values that are as they should be, both ends included; low <= high.
 struct Tolerance {
-  double low = 0, high = 0;
+  double low = 0;   ///< least value that is in the band
+  double high = 0;  ///< greatest
 
+  /// True if `value` is in the band; false for NaN.
   bool holds(double value) const { return value >= low && value <= high; }
   /// By how much `value` is outside; negative inside.
   double excess(double value) const { return value > 0.5 * low + 0.5 * high ? value - high : low - value; }
@@ -21,13 +23,17 @@ struct Tolerance {
 
 /// What a list of numbers is like. All in the numbers' own unit; all but `count` are 0 if there is none.
 struct ValueStatistics {
-  std::uint64_t count = 0;
-  double mean = 0;
+  std::uint64_t count = 0;        ///< of the numbers
+  double mean = 0;                ///< arithmetic
   double rms = 0;                 ///< root of the mean square
   double standard_deviation = 0;  ///< about the mean, over count - 1; 0 for a single value
-  double min = 0, max = 0;
-  std::size_t min_index = 0, max_index = 0;  ///< the first value that is least, greatest
-  double p5 = 0, median = 0, p95 = 0;        ///< percentiles, interpolated linearly between the sorted values
+  double min = 0;                 ///< least value
+  double max = 0;                 ///< greatest value
+  std::size_t min_index = 0;      ///< where the first value is that is least
+  std::size_t max_index = 0;      ///< where the first value is that is greatest
+  double p5 = 0;                  ///< 5th percentile, interpolated linearly between the sorted values
+  double median = 0;              ///< 50th percentile, likewise
+  double p95 = 0;                 ///< 95th percentile, likewise
   std::uint64_t in_tolerance = 0;            ///< 0 without a tolerance
 };
 
@@ -48,9 +54,11 @@ double range_to_show(std::span<const double> values);
 
 /// How many values fall into each of equally wide bins from `low` to `high`.
 struct Histogram {
-  double low = 0, high = 0;
+  double low = 0;                   ///< where the first bin begins
+  double high = 0;                  ///< where the last one ends
   std::vector<std::uint64_t> bins;  ///< a value on a border counts above it, `high` itself in the last bin
-  std::uint64_t below = 0, above = 0;
+  std::uint64_t below = 0;          ///< values less than `low`
+  std::uint64_t above = 0;          ///< values greater than `high`
 };
 
 /// @param bins  at least 1

@@ -23,11 +23,13 @@ int in_circle_exact(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d);
 
 /// Which bits the coordinates of a set use: each is a multiple of 2^lowest and below 2^(top+1).
 struct BitRange {
-  int lowest = 0, top = 0;  ///< both 0 if every coordinate is zero
+  int lowest = 0;  ///< exponent of the least bit; 0 if every coordinate is zero
+  int top = 0;     ///< exponent of the greatest bit; likewise
 
   /// True if the differences, and the products of four of them, neither overflow nor underflow.
   bool safe() const { return lowest >= -255 && top <= 250; }
 };
+/// Of finite coordinates; linear time.
 BitRange bit_range(std::span<const Vec2> points);
 
 /// Orientation and in-circle tests on one set of points, decided by rounding-error bounds [Shewchuk 1997, stage A]

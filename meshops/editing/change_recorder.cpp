@@ -1,6 +1,7 @@
 #include "meshops/editing/change_recorder.hpp"
 
 #include "meshops/editing/change_set.hpp"
+#include "meshops/editing/recorded_segments.hpp"
 #include "meshops/error.hpp"
 
 namespace tri {

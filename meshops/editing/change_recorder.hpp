@@ -8,6 +8,8 @@
 namespace tri {
 
 class ChangeSet;
+class DeltaSegment;
+class WholeSegment;
 
 /// What a recording keeps.
 enum class Recording {
@@ -44,15 +46,15 @@ class ChangeRecorder {
   void links(EdgeHandle e);                        ///< any link of its half-edges
   void links(FaceHandle f);                        ///< its half-edge, or which corners it has
   void point(VertexHandle v);                      ///< its position
-  void status(VertexHandle v);
+  void status(VertexHandle v);                     ///< its status bits
   void status(EdgeHandle e);                       ///< and of its half-edges
-  void status(FaceHandle f);
+  void status(FaceHandle f);                       ///< its status bits
   void values(ElementKind kind, int index);        ///< its properties, but for position and status
   void corner(HalfedgeHandle h);                   ///< its corner values
   void property(ElementKind kind, int slot);       ///< a property as a whole
   void remove_property(ElementKind kind, int slot);  ///< takes it out of the mesh
   void begin_whole();                              ///< everything, until `end_whole`
-  void end_whole();
+  void end_whole();                                ///< the change of everything is complete
 
  private:
   DeltaSegment& delta() { return *delta_; }

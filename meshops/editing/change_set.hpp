@@ -33,21 +33,29 @@ namespace tri {
 /// that was rewritten as a whole, or is of unknown type, may be another object afterwards, with the same handle.
 class ChangeSet {
  public:
+  /// Of no mesh; it changed nothing.
   ChangeSet() = default;
+  /// Made by ChangeRecorder::finish. @param segments  in the order in which they were done
   ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments);
+  /// Leaves the other one of no use: it changed nothing.
   ChangeSet(ChangeSet&&) = default;
+  /// What it kept before is forgotten, and can no longer be undone.
   ChangeSet& operator=(ChangeSet&&) = default;
 
-  /// @throws InvalidInput if it is undone already, or the mesh is another one or was changed since (naming what); the
+  /// Takes the change back. @throws InvalidInput if it is undone already, or the mesh is another one or was changed
+  /// since (naming what); the
   ///   mesh is then untouched
   void undo(OpenMesh::TriConnectivity& mesh);
+  /// The same on the mesh of a view.
   void undo(MeshView mesh) { undo(mesh.mesh); }
-  /// @throws InvalidInput if it is not undone, and as above
+  /// Does it again. @throws InvalidInput if it is not undone, and as above
   void redo(OpenMesh::TriConnectivity& mesh);
+  /// The same on the mesh of a view.
   void redo(MeshView mesh) { redo(mesh.mesh); }
 
   /// True if the operators wrote nothing at all: the mesh is bit for bit as it was. (It may be as well if this is false.)
   bool empty() const { return segments_.empty(); }
+  /// True after an undo, false after a redo.
   bool undone() const { return undone_; }
 
   /// What the operators changed (and a redo changes; an undo changes `notes().inverse()`).
@@ -55,6 +63,7 @@ class ChangeSet {
 
   /// What the operators reported, in their order.
   const std::vector<Report>& reports() const { return reports_; }
+  /// Appends what an operator reported, for `reports`.
   void add_report(Report report) { reports_.push_back(std::move(report)); }
 
  private:
@@ -112,6 +121,7 @@ ChangeSet dry_run(Mesh&& mesh, const Function& function) {
     change.undo(mesh);
   return change;
 }
+/// The same for an operator: `dry_run(mesh, fill_holes, {.max_edges = 50}, context)`.
 template <class Mesh, class Options>
 ChangeSet dry_run(Mesh&& mesh, Report (*op)(MeshView, const Options&, Context&),
                   const std::type_identity_t<Options>& options, Context& context) {

@@ -33,10 +33,11 @@ namespace tri {
 
 /// A vertex from which a new one inherits, and its share; the shares sum to 1.
 struct VertexSource {
-  VertexHandle vertex;
-  double weight = 1;
+  VertexHandle vertex;  ///< of the same mesh
+  double weight = 1;    ///< in [0,1]
 };
 
+/// Gives a vertex another position.
 void set_point(MeshView mesh, VertexHandle v, const Vec3& point);
 
 /// Turns the edge of two triangles (a, b, c), (b, a, d) into the edge (c, d). The two corners that get new vertices take
@@ -111,10 +112,13 @@ void remove_property(MeshView mesh, PropertyHandle& handle) {
     handle.reset();
 }
 
-/// Announces that values of an element's properties, or its status, are going to be written to.
+/// Announces that values of a vertex's properties, or its status, are going to be written to.
 void about_to_set(MeshView mesh, VertexHandle v);
+/// The same of an edge.
 void about_to_set(MeshView mesh, EdgeHandle e);
+/// The same of the corner in which a half-edge ends.
 void about_to_set(MeshView mesh, HalfedgeHandle h);
+/// The same of a face.
 void about_to_set(MeshView mesh, FaceHandle f);
 
 /// Turns triangles over; corner values stay at their corners. All handles keep; half-edges change direction.

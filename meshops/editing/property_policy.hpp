@@ -27,13 +27,16 @@ class PropertyPolicy {
   /// @param types  what is known of the types; may be added to (`types().add<Weights>()`) before the policy is used
   explicit PropertyPolicy(PropertyTypes types = PropertyTypes()) : types_(std::move(types)) {}
 
+  /// The types it can copy and blend; add types of your own before any mesh is edited with it.
   PropertyTypes& types() { return types_; }
+  /// For reading.
   const PropertyTypes& types() const { return types_; }
 
   /// The rule for what no other names.
   void set_general(NewValue rule) { general_ = rule; }
   /// @param name  of a property of vertices, edges, half-edges or faces
   void set(std::string_view name, NewValue rule) { by_name_[std::string(name)] = {rule, nullptr}; }
+  /// The rule for properties of type T that no rule by name names.
   template <class T>
   void set_type(NewValue rule) {
     by_type_[typeid(OpenMesh::PropertyT<T>)] = rule;

@@ -19,8 +19,8 @@ namespace tri {
 
 /// An element whose values another one inherits, and its share. The shares of one element sum to 1.
 struct WeightedIndex {
-  std::size_t index = 0;
-  double weight = 1;
+  std::size_t index = 0;  ///< of the element, in its property
+  double weight = 1;      ///< 0 or more
 };
 
 /// The source with the greatest weight, the first of several. @param sources  at least one
@@ -53,6 +53,7 @@ class PropertyType {
   /// default constructors, OpenMesh's and Eigen's, leave them uninitialised), else default-constructed.
   virtual void set(OpenMesh::BaseProperty& property, std::size_t index, const OpenMesh::BaseProperty& place,
                    std::size_t kept) const = 0;
+  /// Sets an element's value to that of a default-constructed T, vectors to zeros.
   virtual void reset(OpenMesh::BaseProperty& property, std::size_t index) const = 0;
   /// Swaps an element's value with one that was kept.
   virtual void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place,
@@ -68,13 +69,15 @@ concept Sequence = requires(T value) {
   { value.size() };
 } && !requires(T value) { value.push_back(value[0]); } && !requires { requires !T::IsVectorAtCompileTime; };
 
+/// The type of the entries of T; void for what is no vector.
 template <class T>
 struct ComponentOf {
-  using Type = void;
+  using Type = void;  ///< no entries
 };
+/// For vectors of fixed size.
 template <Sequence T>
 struct ComponentOf<T> {
-  using Type = std::remove_cvref_t<decltype(std::declval<T&>()[0])>;
+  using Type = std::remove_cvref_t<decltype(std::declval<T&>()[0])>;  ///< of `operator[]`
 };
 template <class T>
 using Component = typename ComponentOf<T>::Type;
@@ -114,6 +117,7 @@ std::uint64_t mixed(std::uint64_t seed, const T& number) {
 
 }  // namespace property_values
 
+/// What PropertyType says, for values of type T.
 template <class T>
 class PropertyTypeOf final : public PropertyType {
   using Property = OpenMesh::PropertyT<T>;
@@ -168,6 +172,7 @@ class PropertyTypeOf final : public PropertyType {
            std::size_t kept) const override {
     static_cast<Property&>(base)[static_cast<int>(index)] = static_cast<const Property&>(place)[static_cast<int>(kept)];
   }
+  /// See PropertyType.
   void reset(OpenMesh::BaseProperty& base, std::size_t index) const override {
     auto&& value = static_cast<Property&>(base)[static_cast<int>(index)];
     if constexpr (requires { T::Zero(); })

@@ -23,6 +23,7 @@ class TouchedSet {
     return fresh;
   }
 
+  /// True if the index was inserted.
   bool contains(std::size_t index) const {
     const std::size_t page = index / page_bits;
     return page < pages_.size() && pages_[page] && ((*pages_[page])[index % page_bits / 64] >> (index % 64) & 1) != 0;

@@ -23,8 +23,9 @@ enum class FairingWeights {
   uniform,    ///< all alike; vertices spread evenly
 };
 
+/// Why vertices have new places, or have none.
 enum class FairingOutcome {
-  done,
+  done,             ///< every vertex has a new place
   nothing_to_move,  ///< no vertices, or all of them in parts without a neighbour that stays
   no_area,          ///< cotangent weights of a triangle without area
   singular,         ///< the system has no unique solution, or not to 1e-6 in double precision
@@ -33,8 +34,9 @@ enum class FairingOutcome {
 /// The outcome in words, for reports: "system is singular".
 std::string_view to_string(FairingOutcome outcome);
 
+/// New places of vertices; the mesh is not changed.
 struct FairedPoints {
-  FairingOutcome outcome = FairingOutcome::done;
+  FairingOutcome outcome = FairingOutcome::done;  ///< `points` has entries only if `done`
   std::vector<VertexHandle> vertices;  ///< those that may move, in the order given
   std::vector<Vec3> points;            ///< their new places; empty unless `done`
   std::size_t without_rim = 0;         ///< vertices left out since no neighbour of their part stays

@@ -12,6 +12,7 @@
 
 namespace tri {
 
+/// The triangles of a filling, not yet in the mesh.
 struct HoleFilling {
   std::vector<VertexTriple> triangles;  ///< none if there is no triangulation without an existing edge
   bool in_pieces = false;               ///< `RingFilling::in_pieces`
@@ -29,13 +30,16 @@ class Hole {
 
   /// Vertices in order, and after `join_island` those at which a bridge ends twice.
   const std::vector<VertexHandle>& vertices() const { return vertices_; }
+  /// Where they are, one for each of `vertices()`.
   const std::vector<Vec3>& points() const { return points_; }
+  /// Number of vertices, and of edges around the hole.
   int size() const { return static_cast<int>(vertices_.size()); }
 
   /// Visits no vertex twice.
   bool simple() const;
   /// Has two vertices farther apart than `limit` (model units; infinity: never).
   bool wider_than(double limit) const;
+  /// True if the loop is the outside of one triangle that has no neighbour.
   bool around_single_triangle() const;
   /// Whether the loop's own normal points away from the normals of the faces along it (mean cosine below -0.5): the
   /// outer rim of a sheet, whose triangles would lie on the sheet's back. A loop of at most 6 edges on a component of

@@ -121,6 +121,7 @@ struct DihedralAreaWeight {
   double turn = 0;  ///< largest angle between normals of neighbours, as 1 - cos in [0, 2]
   double area = 0;  ///< model units squared
 
+  /// Of two parts together: the sharper turn and the sum of the areas.
   friend DihedralAreaWeight operator+(const DihedralAreaWeight& a, const DihedralAreaWeight& b) {
     return {a.turn > b.turn ? a.turn : b.turn, a.area + b.area};
   }

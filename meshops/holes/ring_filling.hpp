@@ -21,9 +21,10 @@ struct Ring {
   std::vector<Vec3> points;          ///< at least 3, in the direction in which the new triangles run
   std::vector<Vec3> edge_normals;    ///< unit normal of the surface beyond edge (i, i + 1), zero where there is none
   std::vector<Vec3> vertex_normals;  ///< unit normal of the surface around each vertex, zero where unknown; or empty
-  ChordTest chord_allowed;
+  ChordTest chord_allowed;           ///< chords for which it is false are in no triangle; empty: all are allowed
 };
 
+/// Triangles between the points of a ring.
 struct RingFilling {
   std::vector<RingTriangle> triangles;  ///< points.size() - 2, or none if forbidden chords allow no triangulation
   bool in_pieces = false;               ///< the ring was longer than `max_dynamic_edges`, so the minimum is a local one

@@ -15,7 +15,7 @@ namespace tri {
 /// Which sides of a triangle list lie together on an edge. Side i is side i % 3 of triangle i / 3 and runs from that
 /// corner to the next one.
 struct SidePairs {
-  static constexpr std::int32_t none = -1;
+  static constexpr std::int32_t none = -1;  ///< in place of a side
   using Sides = PlainVector<std::int32_t>;  ///< `resize` leaves new entries unset
 
   /// 3 x triangles entries: the side that runs the other way along the same edge, or `none`.
@@ -26,7 +26,9 @@ struct SidePairs {
   std::vector<std::vector<std::int32_t>> crowded;
 
   // Without branches: which corner comes next is as good as random.
+  /// The side after this one in its triangle.
   static std::int32_t next(std::int32_t side) { return side + 1 - 3 * static_cast<std::int32_t>(side % 3 == 2); }
+  /// The side before this one in its triangle.
   static std::int32_t previous(std::int32_t side) { return side - 1 + 3 * static_cast<std::int32_t>(side % 3 == 0); }
 };
 

@@ -14,6 +14,7 @@ struct TJunction {
   std::uint32_t side = 0;      ///< of it, from that corner to the next
   std::uint32_t vertex = 0;    ///< the lowest of those at the place
   double share = 0;            ///< how far along the side, in (0,1)
+  /// True if all members are equal, `share` to the bit.
   bool operator==(const TJunction&) const = default;
 };
 

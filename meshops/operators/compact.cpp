@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshops/editing/mesh_edit.hpp"
+#include "meshops/editing/recorded_segments.hpp"
 #include "meshops/error.hpp"
 
 namespace tri {

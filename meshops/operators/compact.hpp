@@ -7,9 +7,11 @@
 
 namespace tri {
 
+/// What goes beside what is marked as deleted.
 struct CompactOptions {
   bool isolated_vertices = false;  ///< vertices without a face go as well
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -11,6 +11,7 @@
 
 namespace tri {
 
+/// When decimation stops, and how well shaped what is left has to be.
 struct DecimateOptions {
   std::int64_t faces = 0;  ///< stop at this many faces or one fewer; 0: no such target
   double ratio = 0;        ///< stop at this share of the faces, in [0,1]; 0: no such target
@@ -22,6 +23,7 @@ struct DecimateOptions {
   /// Triangles less round than this are not made, unless the place had one as bad: 1 is equilateral, 0 has no area.
   double min_roundness = 0.05;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

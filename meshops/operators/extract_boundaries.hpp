@@ -15,10 +15,12 @@ inline constexpr const char* boundary_outer =
     "boundary_outer";  ///< int on edges, 1 outer loop, 0 nested loop, -1 off the boundary
 }  // namespace property
 
+/// Which properties the loops are written to; the report has them in any case.
 struct ExtractBoundariesOptions {
   bool mark_vertices = true;  ///< write the vertex property `boundary_loop`
   bool mark_edges = true;     ///< write the edge properties `boundary_loop` and `boundary_outer`
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

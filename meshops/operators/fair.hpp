@@ -11,15 +11,18 @@
 
 namespace tri {
 
+/// Which vertices move, and how smoothly the surface goes on at their rim.
 struct FairOptions {
+  /// How the new surface meets the old one at the rim.
   Continuity continuity = Continuity::tangent;
-  FairingWeights weights = FairingWeights::cotangent;
+  FairingWeights weights = FairingWeights::cotangent;  ///< how neighbours are weighed
   /// Vertex property (int): vertices with a value above 0 move. Empty: the vertices that are selected (OpenMesh's
   /// status bit) move.
   std::string region;
   /// Move if not empty, whatever `region` and the selection say. C++ only.
   std::span<const VertexHandle> vertices = {};
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

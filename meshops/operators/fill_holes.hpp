@@ -14,8 +14,9 @@ namespace tri {
 /// How smoothly the filling of a hole goes on from its surroundings; see `Continuity`.
 enum class Fairness { none, position, tangent, curvature };
 
+/// Which loops are filled, and how.
 struct FillHolesOptions {
-  HoleStrategy strategy = HoleStrategy::least_bending;
+  HoleStrategy strategy = HoleStrategy::least_bending;  ///< what is least in the filling
   int max_edges = 100000;  ///< loops with more edges stay open
   /// Model units; loops with two vertices farther apart stay open.
   double max_diameter = std::numeric_limits<double>::infinity();
@@ -32,6 +33,7 @@ struct FillHolesOptions {
   /// May say that a hole belongs to the part and stays open; null: none does. C++ only.
   const Reference* reference = nullptr;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -14,12 +14,14 @@ enum class FlipRule {
   curvature,     ///< the one that gives less curvature
 };
 
+/// Which of two diagonals is the better one.
 struct FlipDiagonalsOptions {
-  FlipRule criterion = FlipRule::smooth_shape;
+  FlipRule criterion = FlipRule::smooth_shape;  ///< what decides
   /// Radians between two normals; smooth_shape: above it smoothness decides, not shape; delaunay: above it an edge
   /// stays.
   double sharp_angle = 0.5;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -10,6 +10,7 @@
 
 namespace tri {
 
+/// What may be taken away, and in which precision the result has to hold.
 struct MakeSolidOptions {
   /// Share of the diagonal of the bounding box: what lies inside the solid, or sticks out of it as a sheet, goes where
   /// it is nowhere farther than this from what stays.
@@ -22,6 +23,7 @@ struct MakeSolidOptions {
   /// cannot move apart lose their tips (`cut_tips`), and what the rounding made touch is made a solid once more.
   bool single_precision = false;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -7,11 +7,13 @@
 
 namespace tri {
 
+/// Which way round the triangles of a shell face in the end.
 struct OrientOptions {
   /// Closed shells face outward, those in an odd number of others (cavities) into the cavity; else they keep the
   /// orientation of most of their triangles, as open ones do.
   bool outward = true;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -10,6 +10,7 @@
 
 namespace tri {
 
+/// How long edges are to be, and which lines stay.
 struct RemeshOptions {
   /// Model units: the edge length aimed at. 0: the mean length of the edges; with `adaptive` a twentieth of the
   /// diagonal.
@@ -25,6 +26,7 @@ struct RemeshOptions {
   double feature_angle = 44 * std::numbers::pi / 180;  ///< radians between normals above which an edge is a crease
   int min_feature_edges = 1;                           ///< creases that hang together in fewer edges are noise
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -14,6 +14,7 @@ struct RemoveComponentsOptions {
   std::int64_t min_triangles = 0; ///< components of fewer go
   std::int64_t keep = 0;          ///< of what is left only so many stay, those of the largest area; 0: all
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

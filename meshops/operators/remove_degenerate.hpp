@@ -9,6 +9,7 @@
 
 namespace tri {
 
+/// Which triangles count as degenerate, and how far the surface may move.
 struct RemoveDegenerateOptions {
   /// Triangles whose height over their longest side is at most this share of it are degenerate; those whose corners lie
   /// exactly on one line always are.
@@ -19,6 +20,7 @@ struct RemoveDegenerateOptions {
   /// displace one after another is added up, and a move that would go beyond is not done.
   double max_deviation = std::numeric_limits<double>::infinity();
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

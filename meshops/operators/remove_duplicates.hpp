@@ -10,12 +10,14 @@ namespace tri {
 /// What becomes of two triangles with the same corners that face opposite ways.
 enum class OppositePairs { automatic, keep, one, none };
 
+/// What becomes of triangles that face each other.
 struct RemoveDuplicatesOptions {
   /// `keep`: both stay. `one`: the first stays. `none`: both go. `automatic`: a patch of such pairs (joined over edges) is
   /// a wall between two solids if each edge of its rim has two more triangles, which run along it in opposite directions:
   /// then both go and the solids become one. Any other patch is a sheet drawn from both sides: the first stays.
   OppositePairs opposite = OppositePairs::automatic;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

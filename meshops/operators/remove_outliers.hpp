@@ -7,10 +7,12 @@
 
 namespace tri {
 
+/// From what distance to its neighbours on a point goes.
 struct RemoveOutliersOptions {
   int neighbors = 16;  ///< nearest points that are looked at, 1 or more
   double sigma = 3;    ///< standard deviations above the mean, 0 or more; infinity removes nothing
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

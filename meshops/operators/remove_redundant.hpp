@@ -12,6 +12,7 @@
 
 namespace tri {
 
+/// Which triangles are taken for bridges between parts of the surface; every test can be turned off.
 struct RemoveRedundantOptions {
   /// A triangle goes if an edge is longer than this many times the local spacing (`local_spacing`, the larger of both
   /// ends'). Infinity: off.
@@ -38,6 +39,7 @@ struct RemoveRedundantOptions {
   /// The model; null for none. C++ only.
   const Reference* reference = nullptr;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

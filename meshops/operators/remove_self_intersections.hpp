@@ -7,10 +7,12 @@
 
 namespace tri {
 
+/// How far vertices may move.
 struct RemoveSelfIntersectionsOptions {
   /// Share of the diagonal of the bounding box: no vertex moves farther than this.
   double max_deviation = 5e-4;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -7,11 +7,13 @@
 
 namespace tri {
 
+/// From what distance on a vertex counts as on a side.
 struct ResolveTJunctionsOptions {
   double tolerance = 0;  ///< model units; how far from a boundary edge a vertex counts as being on it
   /// The same as a share of the diagonal of the bounding box; the larger of the two is used. 0 and 0: exactly on it.
   double relative_tolerance = 1e-6;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -10,6 +10,7 @@
 
 namespace tri {
 
+/// How a vertex is moved.
 enum class SmoothMethod {
   laplace,    ///< towards the mean of the neighbours; shrinks, and evens the triangles out
   taubin,     ///< the same with a step back after each, which keeps the volume [Taubin 1995]
@@ -22,9 +23,10 @@ enum class LineRule {
   along,  ///< each line is smoothed as a curve of its own, by the same method, between corners that stay
 };
 
+/// How much is smoothed, and what stays in its place.
 struct SmoothOptions {
-  SmoothMethod method = SmoothMethod::taubin;
-  int iterations = 10;
+  SmoothMethod method = SmoothMethod::taubin;  ///< how a vertex is moved
+  int iterations = 10;                         ///< 1 to 100,000; taubin: each with its step back
   /// Part of the way to the mean of the neighbours that a vertex goes in one iteration, above 0; laplace: at most 1,
   /// taubin: at most 0.65. cotangent: a time step that does about as much as a laplace iteration of this strength, at
   /// most 100.
@@ -32,11 +34,12 @@ struct SmoothOptions {
   double feature_angle =
       44 * std::numbers::pi / 180;  ///< radians; edges with a larger angle between normals are creases
   int min_feature_edges = 10;       ///< creases that hang together in fewer edges are noise
-  LineRule creases = LineRule::fixed;
-  LineRule boundary = LineRule::fixed;
+  LineRule creases = LineRule::fixed;   ///< what becomes of vertices on creases
+  LineRule boundary = LineRule::fixed;  ///< what becomes of vertices on the boundary
   double max_distance =
       std::numeric_limits<double>::infinity();  ///< model units; no vertex ends farther from its start
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

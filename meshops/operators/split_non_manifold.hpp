@@ -7,7 +7,9 @@
 
 namespace tri {
 
+/// There is nothing to choose.
 struct SplitNonManifoldOptions {
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -7,9 +7,11 @@
 
 namespace tri {
 
+/// How far apart boundaries may be that are sewn together.
 struct StitchBoundariesOptions {
   double tolerance = 0;  ///< model units; widest gap that is closed; 0: only boundary edges that coincide
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -20,8 +20,9 @@ enum class ContourPairs {
   both,       ///< given ones first, then found ones in what is left open
 };
 
+/// Which contours are joined, and over how wide a gap.
 struct StitchContoursOptions {
-  ContourPairs pairs = ContourPairs::automatic;
+  ContourPairs pairs = ContourPairs::automatic;  ///< where the pairs come from
   /// Found pairs: the widest gap, times the local spacing (`local_spacing`, the larger of both sides).
   double max_gap = 3;
   /// Found pairs: the widest gap in model units; takes the place of `max_gap` when finite.
@@ -36,6 +37,7 @@ struct StitchContoursOptions {
   /// Gives the pairs if not null. C++ only.
   const Reference* reference = nullptr;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -9,14 +9,16 @@
 
 namespace tri {
 
+/// Where new and old vertices go.
 enum class SubdivisionScheme {
   loop,       ///< smooths: the limit is C2 but for irregular vertices [Loop 1987]
   butterfly,  ///< smooth as well, through the vertices; wavier [Zorin, Schroeder & Sweldens 1996]
   midpoint,   ///< the same surface in smaller triangles
 };
 
+/// By which rules, how often, and what stays sharp.
 struct SubdivideOptions {
-  SubdivisionScheme scheme = SubdivisionScheme::loop;
+  SubdivisionScheme scheme = SubdivisionScheme::loop;  ///< where new and old vertices go
   int levels = 1;  ///< each makes four triangles of one
   /// Radians; not midpoint: edges with a larger angle between normals before the first level stay sharp, on every
   /// level.
@@ -24,6 +26,7 @@ struct SubdivideOptions {
   /// Radians; not midpoint: where a crease or the boundary turns by more is a corner, which stays in its place.
   double corner_angle = 50 * std::numbers::pi / 180;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -7,9 +7,11 @@
 
 namespace tri {
 
+/// How close points may be.
 struct ThinOptions {
   double voxel = 1;  ///< side of a voxel in the unit of the points, above 0
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

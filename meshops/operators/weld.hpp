@@ -7,6 +7,7 @@
 
 namespace tri {
 
+/// Which vertices become one.
 struct WeldOptions {
   /// Model units; 0: only vertices with identical coordinates (0 and -0 are identical). Above 0 also vertices on loose
   /// edges (edges of one triangle) that are no farther apart.
@@ -15,6 +16,7 @@ struct WeldOptions {
   /// triangles: all that lie together, whatever it does.
   bool touching = false;
 
+  /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();
 };
 

@@ -18,7 +18,7 @@ namespace tri {
 /// `normals` and `colors`, NaN in `intensity` and `scalars`. Readers and operators keep the invariant; `validate`
 /// checks it.
 struct PointSet {
-  std::vector<Vec3> points;
+  std::vector<Vec3> points;  ///< finite, in the unit of the file
   /// As the file gives them, of unit length where it says so.
   std::vector<Vec3> normals;
   /// Strength of the return, in the unit of the file (PTX: 0 to 1).
@@ -28,7 +28,9 @@ struct PointSet {
   /// Further columns by name, as the file names them ("curvature").
   std::map<std::string, std::vector<double>> scalars;
 
+  /// How many points; every column that is not empty has as many entries.
   std::size_t size() const { return points.size(); }
+  /// True if there is no point.
   bool empty() const { return points.empty(); }
 };
 

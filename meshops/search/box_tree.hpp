@@ -10,8 +10,10 @@
 
 namespace tri {
 
+/// An axis-aligned box.
 struct Box {
-  Vec3 low, high;
+  Vec3 low;   ///< least coordinates
+  Vec3 high;  ///< greatest coordinates
 };
 
 /// A tree of boxes with four children a node, for searches of the nearest. Immutable; may be shared between threads.
@@ -120,6 +122,7 @@ class BoxTree {
     return false;
   }
 
+  /// Number of nodes, inner ones and leaves; 0 for an empty tree.
   std::size_t node_count() const { return nodes_.size(); }
 
  private:

@@ -14,6 +14,7 @@ namespace tri {
 /// Immutable; may be shared between threads.
 class ClosestTriangle {
  public:
+  /// What is closest.
   struct Hit {
     double distance = 0;         ///< to the triangle
     Vec3 point{0, 0, 0};         ///< of the triangle
@@ -29,6 +30,7 @@ class ClosestTriangle {
   /// @param hint  a triangle that may be near, say the last result for a point close by: makes the search faster
   Hit closest(const Vec3& p, std::uint32_t hint = 0) const;
 
+  /// The corners of a triangle, by its index in the soup.
   const std::array<Vec3, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }
 
  private:

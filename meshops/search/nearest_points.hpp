@@ -12,14 +12,16 @@ namespace tri {
 /// A k-d tree over points: who is nearest. Built once, queried from any thread.
 class NearestPoints {
  public:
+  /// A point that was found.
   struct Neighbor {
-    std::uint32_t index = 0;
-    double squared_distance = 0;
+    std::uint32_t index = 0;      ///< among the points the tree was made of
+    double squared_distance = 0;  ///< from the place asked for
   };
 
   /// @param points  finite; must outlive this object
   explicit NearestPoints(std::span<const Vec3> points);
   ~NearestPoints();
+  /// The other one can only be destroyed afterwards.
   NearestPoints(NearestPoints&&) noexcept;
 
   /// The `k` nearest points of `place` (all, if there are fewer), nearest first; `out` is overwritten.

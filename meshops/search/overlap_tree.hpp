@@ -16,11 +16,14 @@ class OverlapTree {
  public:
   /// An axis-aligned box; empty until it is grown.
   struct Box {
-    Vec3 lo = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity();
-    Vec3 hi = Vec3(-1, -1, -1) * std::numeric_limits<double>::infinity();
+    Vec3 lo = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity();     ///< least coordinates
+    Vec3 hi = Vec3(-1, -1, -1) * std::numeric_limits<double>::infinity();  ///< greatest coordinates
 
+    /// Makes it as large as needed to hold a point.
     void grow(const Vec3& p) { lo.minimize(p), hi.maximize(p); }
+    /// Makes it as large as needed to hold another box.
     void grow(const Box& b) { lo.minimize(b.lo), hi.maximize(b.hi); }
+    /// True if they have a place in common, their sides included.
     bool overlaps(const Box& b) const {
       for (int k = 0; k < 3; ++k)
         if (lo[k] > b.hi[k] || b.lo[k] > hi[k]) return false;
@@ -32,7 +35,9 @@ class OverlapTree {
   /// @param items  indices of the boxes that take part
   OverlapTree(std::vector<Box> boxes, std::vector<std::uint32_t> items);
 
+  /// All items, in the order of the tree.
   const std::vector<std::uint32_t>& items() const { return order_; }
+  /// The box of an item.
   const Box& box(std::uint32_t item) const { return boxes_[item]; }
 
   /// Calls `visit(item)` for every item of index `from` or above whose box overlaps `box`.

@@ -43,7 +43,7 @@ struct FeatureRules {
   double angle = 40 * std::numbers::pi / 180;
   /// Radians by which a crease or boundary turns at a vertex above which that is a corner; pi (or more) means none is.
   double corner_angle = 50 * std::numbers::pi / 180;
-  Noise noise = Noise::none;
+  Noise noise = Noise::none;  ///< what is done about noise in the normals
   /// Creases that hang together in fewer edges than this are taken for noise: their edges are smooth. 1 keeps all.
   int min_crease_edges = 1;
 };
@@ -55,7 +55,9 @@ struct Features {
   std::size_t creases = 0;            ///< number of crease edges
   std::size_t corners = 0;            ///< number of corners
 
+  /// What an edge of the mesh is.
   EdgeClass operator[](EdgeHandle e) const { return edges[static_cast<std::size_t>(e.idx())]; }
+  /// What a vertex of the mesh is.
   VertexClass operator[](VertexHandle v) const { return vertices[static_cast<std::size_t>(v.idx())]; }
   /// Crease or boundary.
   bool is_feature(EdgeHandle e) const { return (*this)[e] != EdgeClass::smooth; }
