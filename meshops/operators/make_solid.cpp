@@ -78,7 +78,7 @@ struct Attempt {
 /// Makes a solid of the result of an attempt once more. @return whether anything changed
 bool go_on(Attempt& a, const MakeSolidOptions& options, int finest, bool floats, Context& context) {
   Report again;
-  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, a.fillings)
+  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, true, a.fillings)
                .run(again, false, context);
   if (again.unchanged()) return false;
   double& count = a.report.figures["passes"];
@@ -102,7 +102,7 @@ void look(Attempt& a, Context& context) {
 Attempt attempt(const Soup& soup, const MakeSolidOptions& options, int finest, bool floats, bool tell_progress,
                 Context& context) {
   Attempt a{soup, {.operation = "make-solid"}, {}, 0, {}};
-  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, a.fillings)
+  a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, false, a.fillings)
                .run(a.report, tell_progress, context);
   // What the rounding of new vertices made cross is cut again.
   for (int pass = 1; pass < passes && !a.left.none(); ++pass)

@@ -70,12 +70,13 @@ void nudge(CrossingComplex& complex, double farthest, bool each) {
 
 }  // namespace
 
-SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, bool apart,
+SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, bool apart, bool again,
                              std::vector<std::uint32_t>& fillings)
     : soup_(soup),
       max_deviation_(max_deviation),
       keep_walls_(keep_walls),
       apart_(apart),
+      again_(again),
       fillings_(fillings),
       frame_(used_points(soup), finest) {}
 
@@ -164,7 +165,8 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
 CrossingReport SolidFromSoup::cut_along_crossings(Report& report, Context& context) {
   const CrossingComplex given = complex_;
   const double reach = frame_.steps_in(first_reach_share);
-  const double allowed = max_deviation_ * diagonal(given.points), most_reach = reach_share * allowed;
+  const double allowed = max_deviation_ * diagonal(given.points),
+               most_reach = (again_ ? plate_share / 2 : reach_share) * allowed;
   CrossingReport best = resolve_crossings(complex_, reach, most_reach, context);
   const double farthest = std::min(nudge_in_reaches * reach, nudge_share * allowed);
   for (const bool each : {false, true}) {

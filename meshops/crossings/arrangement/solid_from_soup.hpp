@@ -21,9 +21,10 @@ class SolidFromSoup {
   /// @param max_deviation share of the diagonal
   /// @param finest        as of `GridFrame`
   /// @param apart         no two vertices of the result may lie in one place, wherever that can be
+  /// @param again         the soup is what this made before: plates and gaps are not to be taken for things that touch
   /// @param fillings      triangles of the soup, increasing, that close holes: they need not stay; afterwards those of
   /// the result. It and the soup must outlive this object.
-  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, bool apart,
+  SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, bool apart, bool again,
                 std::vector<std::uint32_t>& fillings);
 
   /// Changes the soup at the end.
@@ -43,7 +44,7 @@ class SolidFromSoup {
 
   Soup& soup_;
   double max_deviation_;
-  bool keep_walls_, apart_;
+  bool keep_walls_, apart_, again_;
   std::vector<std::uint32_t>& fillings_;
   GridFrame frame_;
   CrossingComplex complex_;
