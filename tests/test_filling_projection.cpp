@@ -209,3 +209,33 @@ TEST_CASE("FillingObstacles: what is not in doubt crosses nothing, not even part
   CHECK(shown > 200);
   CHECK(crossing > 50);
 }
+
+TEST_CASE("FillingObstacles: every triangle at an edge crosses the faces that the edge pierces") {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  std::size_t pierced = 0;
+  Holed h;
+  surround(h, 60, 3, [&](double t, int row) {  // so noisy that the faces at the rim cross each other
+    const double r = 1 + 0.1 * row, a = 2 * pi * t;
+    return Vec3(r * std::cos(a), r * std::sin(a), 0) + 0.06 * Vec3(normal(random), normal(random), normal(random));
+  });
+  const std::vector<std::vector<VertexHandle>> rims{h.ring};
+  FillingObstacles obstacles(view_of(h.mesh), rims);
+  obstacles.start(0);
+  for (std::size_t i = 0; i < h.ring.size(); ++i) {
+    const VertexHandle a = h.ring[i], b = h.ring[(i + 1) % h.ring.size()];
+    const std::vector<FaceHandle> found = obstacles.pierced(a, b);
+    std::vector<FaceHandle> expected;
+    for (const FaceHandle f : h.mesh.faces()) {
+      const VertexTriple t = corners(h, f);
+      if (std::find(t.begin(), t.end(), a) == t.end() && std::find(t.begin(), t.end(), b) == t.end() &&
+          segment_pierces(h.mesh.point(a), h.mesh.point(b), places(h, t)))
+        expected.push_back(f);
+    }
+    CHECK(found == expected);
+    pierced += found.size();
+    for (const VertexHandle c : h.ring)
+      if (c != a && c != b) CHECK(obstacles.crossings({a, b, c}) >= static_cast<int>(found.size()));
+  }
+  CHECK(pierced > 0);
+}

@@ -100,3 +100,26 @@ TEST_CASE("self_intersections: with neighbours, those that meet in more than the
   CHECK(all.size() == apart.size() + expected_neighbors);
   CHECK(expected_neighbors > 100);
 }
+
+TEST_CASE("segment_pierces: the two parameters of the crossing decide, on a grid with all special cases") {
+  std::mt19937 random(4);
+  const auto place = [&] {
+    const auto one = [&] { return static_cast<double>(static_cast<int>(random() % 7) - 3); };
+    const double x = one(), y = one(), z = one();
+    return Vec3(x, y, z);
+  };
+  int pierced = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Corners t{place(), place(), place()};
+    const Vec3 p = place(), q = place();
+    // p + s (q - p) = t0 + u (t1 - t0) + v (t2 - t0), by Cramer's rule; the integers are small.
+    const Vec3 d = p - q, e = t[1] - t[0], f = t[2] - t[0], g = p - t[0];
+    const double det = d | (e % f), s = g | (e % f), u = d | (g % f), v = d | (e % g), sign = det < 0 ? -1 : 1;
+    const bool expected = det != 0 && sign * s > 0 && sign * s < sign * det && sign * u > 0 && sign * v > 0 &&
+                          sign * (u + v) < sign * det;
+    CHECK(segment_pierces(p, q, t) == expected);
+    CHECK(segment_pierces(q, p, {t[1], t[0], t[2]}) == expected);
+    pierced += expected;
+  }
+  CHECK(pierced > 100);
+}

@@ -127,6 +127,12 @@ bool wings_overlap(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   return turn_of(p, q, a, x, y) == turn_of(p, q, b, x, y);
 }
 
+bool segment_pierces(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) {
+  if (orientation(t[0], t[1], t[2], p) * orientation(t[0], t[1], t[2], q) >= 0) return false;
+  const int side = orientation(p, q, t[0], t[1]);
+  return side != 0 && side == orientation(p, q, t[1], t[2]) && side == orientation(p, q, t[2], t[0]);
+}
+
 bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a;
   // Far above the rounding of the product the corners are not on one line.

@@ -18,6 +18,10 @@ bool fans_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
 /// one plane and on the same side of the edge. Exact.
 bool wings_overlap(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
+/// Whether a segment goes through a triangle: its ends lie on both sides, off the plane, and it passes within the sides,
+/// off all three; never if the triangle has no area. Exact.
+bool segment_pierces(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& triangle);
+
 /// Whether the corners are not on one line. Exact.
 bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c);
 

@@ -1,5 +1,6 @@
 #include "meshops/holes/filling_obstacles.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "meshops/crossings/triangle_pair.hpp"
@@ -112,6 +113,23 @@ int FillingObstacles::crossings(const VertexTriple& triangle) const {
   int count = 0;
   for (const Faces* faces : near_) count += crossings_with(*faces, at);
   return count;
+}
+
+std::vector<FaceHandle> FillingObstacles::pierced(VertexHandle from, VertexHandle to) const {
+  const Vec3 &p = view_.point(from), &q = view_.point(to);
+  OverlapTree::Box box;
+  box.grow(p);
+  box.grow(q);
+  std::vector<FaceHandle> found;
+  for (const Faces* faces : near_)
+    tree_of(*faces).overlapping(box, 0, [&](std::uint32_t i) {
+      const auto at = places(view_, corners(view_, faces->faces[i]));
+      if (std::find(at.begin(), at.end(), p) == at.end() && std::find(at.begin(), at.end(), q) == at.end() &&
+          segment_pierces(p, q, at))
+        found.push_back(faces->faces[i]);
+    });
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 int FillingObstacles::crossings_with(const Faces& faces, const std::array<Vec3, 3>& at) const {

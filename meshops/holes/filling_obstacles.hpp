@@ -33,6 +33,10 @@ class FillingObstacles {
   /// edge that they share, vertices in one place being one; 0 if it has no area.
   int crossings(const VertexTriple& triangle) const;
 
+  /// The faces of the mesh (but none of this hole's own filling) that an edge goes through, strictly, and of which
+  /// neither of its ends is a corner: every triangle at the edge crosses them. Ascending.
+  std::vector<FaceHandle> pierced(VertexHandle from, VertexHandle to) const;
+
   /// The hole was filled by these faces, which are final.
   void add(std::size_t hole, std::span<const FaceHandle> faces);
 

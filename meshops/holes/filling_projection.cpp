@@ -88,10 +88,16 @@ std::array<Vec2, 3> FillingProjection::corners_of(FaceHandle f) const {
   return corners;
 }
 
+/// Bound for the rounding of a product of two differences of places.
+double FillingProjection::slack(const Vec2& p, const Vec2& q) const {
+  constexpr double underflow = 1e-290;
+  return 8 * error_ * (std::abs(p[0]) + std::abs(p[1]) + std::abs(q[0]) + std::abs(q[1]) + error_) + underflow;
+}
+
 int FillingProjection::turn(const Vec2& a, const Vec2& b, const Vec2& c) const {
   const Vec2 p = b - a, q = c - a;
   const double area = p[0] * q[1] - p[1] * q[0];
-  const double bound = 8 * error_ * (std::abs(p[0]) + std::abs(p[1]) + std::abs(q[0]) + std::abs(q[1]) + error_);
+  const double bound = slack(p, q);
   return area > bound ? 1 : area < -bound ? -1 : 0;
 }
 
@@ -182,7 +188,7 @@ void FillingProjection::find_boundary(std::span<const VertexHandle> ring) {
 /// Each loop winds round a point at most once if it is simple, and a clockwise one adds nothing. So all but one are
 /// regions unless they are clockwise.
 void FillingProjection::check_loops(const std::vector<std::vector<std::int32_t>>& loops) {
-  std::vector<double> area(loops.size(), 0), slack(loops.size(), 0);
+  std::vector<double> area(loops.size(), 0), rounding(loops.size(), 0);
   std::size_t main = loops.size();
   for (std::size_t l = 0; l < loops.size(); ++l) {
     const Vec2& origin = places_[static_cast<std::size_t>(loops[l][0])];
@@ -190,13 +196,13 @@ void FillingProjection::check_loops(const std::vector<std::vector<std::int32_t>>
       const Vec2 p = places_[static_cast<std::size_t>(loops[l][i])] - origin,
                  q = places_[static_cast<std::size_t>(loops[l][(i + 1) % loops[l].size()])] - origin;
       area[l] += p[0] * q[1] - p[1] * q[0];
-      slack[l] += 16 * error_ * (std::abs(p[0]) + std::abs(p[1]) + std::abs(q[0]) + std::abs(q[1]) + error_);
+      rounding[l] += 2 * slack(p, q);
     }
     if (main == loops.size() || area[l] > area[main]) main = l;
   }
   for (std::size_t l = 0; l < loops.size(); ++l) {
     if (loops[l].size() < 3) continue;  // there and back
-    if (l == main || area[l] < -static_cast<double>(loops[l].size()) * slack[l]) {
+    if (l == main || area[l] < -static_cast<double>(loops[l].size()) * rounding[l]) {
       check_loop(loops[l]);
       continue;
     }
@@ -234,8 +240,7 @@ bool FillingProjection::apart(const Step& a, const Step& b) const {
   if (a.to == b.from || b.to == a.from) {
     const Step &first = a.to == b.from ? a : b, &second = a.to == b.from ? b : a;
     const Vec2 p = at(first.to) - at(first.from), q = at(second.to) - at(second.from);
-    const double slack = 8 * error_ * (std::abs(p[0]) + std::abs(p[1]) + std::abs(q[0]) + std::abs(q[1]) + error_);
-    return turn(at(first.from), at(first.to), at(second.to)) != 0 || (p | q) > slack;
+    return turn(at(first.from), at(first.to), at(second.to)) != 0 || (p | q) > slack(p, q);
   }
   const auto beside = [&](const Step& s, const Step& t) {
     const int x = turn(at(s.from), at(s.to), at(t.from));

@@ -60,6 +60,7 @@ class FillingProjection {
   std::array<Vec2, 3> corners_of(FaceHandle f) const;
   std::int32_t number(VertexHandle v);
   Vec2 flat(const Vec3& p) const { return {u_ | (p - center_), v_ | (p - center_)}; }
+  double slack(const Vec2& p, const Vec2& q) const;
   int turn(const Vec2& a, const Vec2& b, const Vec2& c) const;
   OverlapTree::Box box_of(std::span<const Vec2> corners) const;
   bool clear(const std::array<Vec2, 3>& triangle, const Region& region) const;

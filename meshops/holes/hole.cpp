@@ -143,19 +143,45 @@ HoleFilling Hole::fill(HoleStrategy strategy, int max_dynamic_edges, const Filli
   surroundings.in_doubt = [&](std::span<const RingTriangle> triangles) { return obstacles.in_doubt(named(triangles)); };
   std::vector<HoleStrategy> strategies{strategy};
   for (const HoleStrategy other :
-       {HoleStrategy::least_bending, HoleStrategy::minimum_area, HoleStrategy::nearest_diagonal})
+       {HoleStrategy::least_bending, HoleStrategy::nearest_diagonal, HoleStrategy::minimum_area})
     if (other != strategy) strategies.push_back(other);
   HoleFilling best;
+  std::size_t least = 0;  // crossings that no filling avoids
   for (const HoleStrategy next : strategies) {
     RingFilling filling = fill_ring(whole, next, max_dynamic_edges, context);
     if (filling.triangles.empty()) continue;
     std::size_t crossings = count_crossings(points_, surroundings, filling.triangles, context);
-    if (crossings > 0) crossings = untangle_filling(whole, surroundings, crossings, filling.triangles, context);
+    if (crossings > 0) {
+      if (surroundings.unavoidable.empty()) surroundings.unavoidable = unavoidable_crossings(obstacles, least);
+      if (crossings > least)
+        crossings = untangle_filling(whole, surroundings, crossings, filling.triangles, context);
+    }
     if (best.triangles.empty() || crossings < best.crossings)
       best = {named(filling.triangles), filling.in_pieces, crossings};
-    if (best.crossings == 0) break;
+    if (best.crossings <= least) break;
   }
   return best;
+}
+
+/// @param total  receives how many there are at least in any filling: a triangle may have two edges that go through the
+/// same face
+std::vector<int> Hole::unavoidable_crossings(const FillingObstacles& obstacles, std::size_t& total) const {
+  std::vector<int> at_edge;
+  std::vector<FaceHandle> first, counted;  // at the first edge, and at the edge before
+  total = 0;
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    const auto faces = obstacles.pierced(vertices_[i], vertices_[(i + 1) % vertices_.size()]);
+    at_edge.push_back(static_cast<int>(faces.size()));
+    std::vector<FaceHandle> fresh;
+    for (const FaceHandle f : faces)
+      if (!std::binary_search(counted.begin(), counted.end(), f) &&
+          !(i + 1 == vertices_.size() && std::binary_search(first.begin(), first.end(), f)))
+        fresh.push_back(f);
+    total += fresh.size();
+    if (i == 0) first = fresh;
+    counted = std::move(fresh);
+  }
+  return at_edge;
 }
 
 /// Pairs of positions i < j, not neighbours, at one vertex or joined by an edge of the mesh or a bridge; sorted.

@@ -62,12 +62,14 @@ class Hole {
 
   /// The same, but as little as possible through the mesh: where the filling crosses something it is changed around
   /// the crossings (`untangle_filling`), then the other strategies are tried, and the one with the fewest crossings
-  /// counts.
+  /// counts. Edges of the rim that go through faces of the mesh make crossings that no filling avoids: it ends when there
+  /// are no others.
   HoleFilling fill(HoleStrategy strategy, int max_dynamic_edges, const FillingObstacles& obstacles,
                    const Context& context) const;
 
  private:
   Ring ring() const;
+  std::vector<int> unavoidable_crossings(const FillingObstacles& obstacles, std::size_t& total) const;
   std::vector<std::pair<int, int>> forbidden_chords() const;
   std::vector<VertexTriple> named(std::span<const RingTriangle> triangles) const;
   Vec3 face_normal(FaceHandle f) const;

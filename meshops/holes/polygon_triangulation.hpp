@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "meshops/vec.hpp"
@@ -52,7 +53,12 @@ std::optional<Weight> triangulate_ring(int n, Weight* best, std::int32_t* apex, 
         if (apex[ik] == -2 || apex[kj] == -2) continue;
         const Weight parts = best[ik] + best[kj];
         if (apex[ij] != -2 && !(parts < best[ij])) continue;  // a triangle never makes it lighter
-        const std::optional<Weight> own = triangle_weight(i, k, j, apex[ik], apex[kj]);
+        std::optional<Weight> own;
+        if constexpr (std::is_invocable_v<TriangleWeight&, int, int, int, int, int, bool (*)(const Weight&)>)
+          own = triangle_weight(i, k, j, apex[ik], apex[kj],
+                                [&](const Weight& least) { return apex[ij] == -2 || parts + least < best[ij]; });
+        else
+          own = triangle_weight(i, k, j, apex[ik], apex[kj]);
         if (!own) continue;
         const Weight sum = parts + *own;
         if (apex[ij] == -2 || sum < best[ij]) {
@@ -91,7 +97,8 @@ std::optional<Weight> triangulate_ring(int n, Weight* best, std::int32_t* apex, 
 /// weight that
 ///   triangle (i, k, j) brings. `apex_ik` is the third corner of the triangle already chosen beyond chord (i, k), or -1
 ///   if (i, k) is a ring edge; the same for `apex_kj`. The edge (0, n - 1) is closed by the one call with i = 0 and j =
-///   n - 1. No value forbids the triangle.
+///   n - 1. No value forbids the triangle. It may take a sixth argument, `bool useful(const Weight& least)`: whether the
+///   triangle could still be chosen if it brought no less than that; no value may be returned where it could not.
 /// @tparam Weight  trivial type with `Weight{}` the neutral element, `+` that never lightens (a + b is not < a), and
 /// `<`; sums, maxima and
 ///   lexicographic pairs of them fit. (With a weight that depends on the apexes the result is Liepa's

@@ -13,9 +13,8 @@ namespace tri {
 namespace {
 
 constexpr int sizes[] = {12, 24, 48};
-/// Of triangles that are weighed in one filling, by which the time is bounded: where the rim's own faces cross each other,
-/// nothing helps, and all would be tried.
-constexpr std::size_t most_weighed = 250'000;
+/// Of triangles that are weighed in one filling, by which the time is bounded: these and so many more for each edge.
+constexpr std::size_t most_weighed = 50'000, most_weighed_at_edge = 10;
 
 /// Fewest crossings first.
 struct CrossingWeight {
@@ -32,7 +31,7 @@ struct CrossingWeight {
 
 struct Crossings {
   std::size_t count = 0;
-  std::vector<std::int32_t> triangles;  ///< those that take part, ascending
+  std::vector<std::int32_t> triangles;  ///< those that take part in more than what is unavoidable, ascending
 };
 
 class Untangler {
@@ -55,7 +54,7 @@ class Untangler {
       number.push_back(static_cast<std::uint32_t>(t));
       const int crossings = surroundings_.crossings(triangles[t]);
       found.count += static_cast<std::size_t>(crossings);
-      takes_part[t] = crossings > 0;
+      takes_part[t] = crossings > unavoidable(triangles[t]);
     }
     if (named.size() > 1)
       for (const auto& [t, u] : self_intersections(ring_, named, context_, Neighbors::judge)) {
@@ -71,15 +70,16 @@ class Untangler {
     std::vector<std::int32_t> all(ring_.size());
     std::iota(all.begin(), all.end(), 0);
     RingTriangulation surface(ring_, {}, chord_allowed, RingObjective::area, all, triangles);
+    const std::size_t most = most_weighed + most_weighed_at_edge * ring_.size();
     for (const int size : sizes) {
       const Crossings found = find(surface.triangles());
-      if (found.count == 0) break;
+      if (found.triangles.empty()) break;
       const std::vector<RingTriangle> before = surface.triangles();
       const OverlapTree tree = tree_of(before);
       std::vector<char> seen(before.size(), 0);
       for (const std::int32_t t : found.triangles) {
         if (seen[t]) continue;
-        if (weighed_ >= most_weighed) break;
+        if (weighed_ >= most) break;
         context_.checkpoint();
         surface.solve_piece(t, size, [&](auto piece, auto corners, std::vector<RingTriangle>& result) {
           for (const std::int32_t p : piece) seen[p] = 1;
@@ -91,7 +91,7 @@ class Untangler {
         crossings = now;
         triangles = surface.triangles();
       }
-      if (weighed_ >= most_weighed || (size > sizes[0] && now >= found.count)) break;
+      if (weighed_ >= most || (size > sizes[0] && now >= found.count)) break;
     }
   }
 
@@ -100,6 +100,14 @@ class Untangler {
     Triangle result;
     for (std::size_t k = 0; k < 3; ++k) result[k] = static_cast<std::uint32_t>(surroundings_.same_as[t[k]]);
     return result;
+  }
+  int unavoidable(const RingTriangle& t) const {
+    int least = 0;
+    if (!surroundings_.unavoidable.empty())
+      for (std::size_t k = 0; k < 3; ++k)
+        if (t[(k + 1) % 3] == (t[k] + 1) % static_cast<std::int32_t>(ring_.size()))
+          least = std::max(least, surroundings_.unavoidable[static_cast<std::size_t>(t[k])]);
+    return least;
   }
   std::array<Vec3, 3> places(const RingTriangle& t) const { return {ring_[t[0]], ring_[t[1]], ring_[t[2]]}; }
 
@@ -118,12 +126,14 @@ class Untangler {
              std::vector<RingTriangle>& result) {
     std::vector<std::int32_t> own(piece.begin(), piece.end());
     std::sort(own.begin(), own.end());
-    const auto weigh = [&](const RingTriangle& t) {
-      ++weighed_;
+    const auto weigh = [&](const RingTriangle& t, const auto& useful) -> std::optional<CrossingWeight> {
       const auto at = places(t);
       CrossingWeight weight{0, triangle_area(at[0], at[1], at[2])};
+      if (!useful(weight)) return std::nullopt;
+      ++weighed_;
       if (!triangle_has_area(at[0], at[1], at[2])) return weight;
       weight.crossings = surroundings_.crossings(t);
+      if (weight.crossings > 0 && !useful(weight)) return std::nullopt;
       const TriangleBox triangle(at);
       tree.meeting(triangle, [&](std::uint32_t other) {
         if (std::binary_search(own.begin(), own.end(), static_cast<std::int32_t>(other))) return;
@@ -136,14 +146,14 @@ class Untangler {
       return weight;
     };
     CrossingWeight before;
-    for (const std::int32_t t : piece) before = before + weigh(now[t]);
+    for (const std::int32_t t : piece) before = before + *weigh(now[t], [](const CrossingWeight&) { return true; });
     // Crossings within the piece: as if each took part in one.
     if (before.crossings == 0) before.crossings = 1;
     const auto least = triangulate_polygon<CrossingWeight>(
         static_cast<int>(corners.size()),
         [&](int i, int j) { return !chord_allowed || chord_allowed(corners[i], corners[j]); },
-        [&](int i, int k, int j, int, int) -> std::optional<CrossingWeight> {
-          return weigh({corners[i], corners[k], corners[j]});
+        [&](int i, int k, int j, int, int, const auto& useful) {
+          return weigh({corners[i], corners[k], corners[j]}, useful);
         },
         result);
     return least && least->crossings < before.crossings;

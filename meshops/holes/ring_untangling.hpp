@@ -20,6 +20,8 @@ struct RingSurroundings {
   /// For each triangle of a whole filling 0 if it is known to meet neither anything around the ring nor another one of
   /// the filling in more than what they share, else 1. May be null: nothing is known.
   std::function<std::vector<char>(std::span<const RingTriangle>)> in_doubt;
+  /// By ring edge (i, i + 1): how many of the triangles around the ring every triangle at this edge meets; or empty.
+  std::vector<int> unavoidable;
 };
 
 /// Pairs of triangles that meet in more than what they share: in the filling, and with its surroundings.
@@ -28,8 +30,9 @@ std::size_t count_crossings(std::span<const Vec3> ring, const RingSurroundings& 
                             std::span<const RingTriangle> triangles, const Context& context);
 
 /// Takes connected pieces around crossings out of a filling and triangulates them with the fewest crossings, then the
-/// least area, by dynamic programming; first pieces of 12 triangles, then larger ones. At most 250,000 triangles are weighed,
-/// and a size of pieces that helps nothing is the last: where the faces at the rim cross each other, nothing would.
+/// least area, by dynamic programming; first pieces of 12 triangles, then larger ones. Crossings that are known to be unavoidable,
+/// where the faces at the rim cross each other, are left alone. At most 50,000 triangles and 10 more for each edge are
+/// weighed, and a size of pieces that helps nothing is the last.
 /// @param crossings  what `count_crossings` says about `triangles`
 /// @return how many crossings are left; if no fewer than there were, `triangles` is unchanged
 /// @throws Cancelled between pieces; then `triangles` is unchanged

@@ -26,12 +26,16 @@ class TriangleBox {
         const auto along = [&](const Vec3& p) { return axis.x * p[(k + 2) % 3] - axis.y * p[(k + 1) % 3]; };
         axis.low = std::min({along(corners[0]), along(corners[1]), along(corners[2])});
         axis.high = std::max({along(corners[0]), along(corners[1]), along(corners[2])});
+        const double slack = 1e-14 * reach_ * (std::abs(axis.x) + std::abs(axis.y)) + underflow;
+        axis.low -= slack;
+        axis.high += slack;
       }
     }
     const Vec3 size = high_ - low_;
     square_ = (size[0] + size[1] + size[2]) * (size[0] + size[1] + size[2]);
     normal_ = (corners[1] - corners[0]) % (corners[2] - corners[0]);
     level_ = normal_ | corners[0];
+    slack_ = 1e-14 * reach_ * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_) + underflow;
   }
 
   const Vec3& low() const { return low_; }
@@ -42,19 +46,21 @@ class TriangleBox {
   bool may_meet(const Vec3& low, const Vec3& high) const {
     for (int k = 0; k < 3; ++k)
       if (low[k] > high_[k] || high[k] < low_[k]) return false;
-    const Vec3 center = (low + high) * 0.5, half = (high - low) * 0.5;
-    double reach = reach_;
-    for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(center[k]) + half[k]);
-    const double slack = 1e-14 * reach;
-    const double n0 = std::abs(normal_[0]), n1 = std::abs(normal_[1]), n2 = std::abs(normal_[2]);
+    // What of the box is within the triangle's own: as good, and no larger than what the slack below is for.
+    Vec3 center, half;
+    for (int k = 0; k < 3; ++k) {
+      const double l = std::max(low[k], low_[k]), h = std::min(high[k], high_[k]);
+      center[k] = 0.5 * (l + h);
+      half[k] = 0.5 * (h - l);
+    }
     if (std::abs((normal_ | center) - level_) >
-        n0 * half[0] + n1 * half[1] + n2 * half[2] + slack * (n0 + n1 + n2 + square_))
+        std::abs(normal_[0]) * half[0] + std::abs(normal_[1]) * half[1] + std::abs(normal_[2]) * half[2] + slack_)
       return false;
     for (std::size_t i = 0; i < 9; ++i) {
       const Axis& axis = axes_[i];
       const std::size_t k = i % 3, u = (k + 1) % 3, v = (k + 2) % 3;
-      const double x = std::abs(axis.x), y = std::abs(axis.y);
-      const double at = axis.x * center[v] - axis.y * center[u], r = x * half[v] + y * half[u] + slack * (x + y);
+      const double at = axis.x * center[v] - axis.y * center[u];
+      const double r = std::abs(axis.x) * half[v] + std::abs(axis.y) * half[u];
       if (at + r < axis.low || at - r > axis.high) return false;
     }
     return true;
@@ -70,16 +76,17 @@ class TriangleBox {
       most = i == 0 ? at : std::max(most, at);
       for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(places[i][k]));
     }
-    const double slack = 1e-14 * reach * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_);
+    const double slack = 1e-14 * reach * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_) + underflow;
     return least > slack || most < -slack;
   }
 
  private:
+  static constexpr double underflow = 1e-290;  ///< far above what products lose that are too small for a double
   struct Axis {
     double x, y, low, high;
   };
   Vec3 low_, high_, normal_;
-  double reach_ = 0, level_ = 0;
+  double reach_ = 0, level_ = 0, slack_ = 0;
   double square_ = 0;  ///< of its extent: the normal's coordinates are wrong by a rounding of that
   std::array<Axis, 9> axes_;
 };
