@@ -35,11 +35,9 @@ class TriangleBox {
     square_ = (size[0] + size[1] + size[2]) * (size[0] + size[1] + size[2]);
     normal_ = (corners[1] - corners[0]) % (corners[2] - corners[0]);
     level_ = normal_ | corners[0];
-    slack_ = 1e-14 * reach_ * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_) + underflow;
+    slack_ =
+        1e-14 * reach_ * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_) + underflow;
   }
-
-  const Vec3& low() const { return low_; }
-  const Vec3& high() const { return high_; }
 
   /// False only if the box and the triangle have no point in common; true also where they are apart by less than the
   /// rounding of a few operations.
@@ -76,7 +74,8 @@ class TriangleBox {
       most = i == 0 ? at : std::max(most, at);
       for (int k = 0; k < 3; ++k) reach = std::max(reach, std::abs(places[i][k]));
     }
-    const double slack = 1e-14 * reach * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_) + underflow;
+    const double slack =
+        1e-14 * reach * (std::abs(normal_[0]) + std::abs(normal_[1]) + std::abs(normal_[2]) + square_) + underflow;
     return least > slack || most < -slack;
   }
 
