@@ -15,6 +15,7 @@
 #include "meshops/editing/label_property.hpp"
 #include "meshops/error.hpp"
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -42,30 +43,35 @@ bool whole_numbers(const std::vector<double>& values) {
 }
 
 template <class T, class Value>
-void add_vertex_property(BuiltMesh& built, const std::string& name, const Value& value) {
+void add_vertex_property(Mesh& mesh, const BuiltMesh& built, const std::string& name, Pace& pace, const Value& value) {
   OpenMesh::VPropHandleT<T> handle;
-  built.mesh.add_property(handle, name);
-  for (const VertexHandle v : built.mesh.vertices()) built.mesh.property(handle, v) = value(built.point_of(v));
+  mesh.add_property(handle, name);
+  for (const VertexHandle v : mesh.vertices()) {
+    pace();
+    mesh.property(handle, v) = value(built.point_of(v));
+  }
 }
 
 /// The value of a corner goes to the half-edge of its triangle that ends there.
-void set_corners(const Soup& soup, const std::vector<double>& values, const std::string& name, BuiltMesh& built) {
+void set_corners(const Soup& soup, const std::vector<double>& values, const std::string& name, Mesh& mesh, const BuiltMesh& built,
+                 Pace& pace) {
   OpenMesh::HPropHandleT<double> handle;
-  built.mesh.add_property(handle, "h:" + name);
-  for (const FaceHandle f : built.mesh.faces()) {
+  mesh.add_property(handle, "h:" + name);
+  for (const FaceHandle f : mesh.faces()) {
+    pace();
     const std::uint32_t t = built.triangle_of(f);
-    HalfedgeHandle h = built.mesh.halfedge_handle(f);
-    for (int i = 0; i < 3; ++i, h = built.mesh.next_halfedge_handle(h)) {
-      const std::uint32_t point = built.point_of(built.mesh.to_vertex_handle(h));
+    HalfedgeHandle h = mesh.halfedge_handle(f);
+    for (int i = 0; i < 3; ++i, h = mesh.next_halfedge_handle(h)) {
+      const std::uint32_t point = built.point_of(mesh.to_vertex_handle(h));
       for (std::size_t k = 0; k < 3; ++k)
-        if (soup.triangles[t][k] == point) built.mesh.property(handle, h) = values[3 * t + k];
+        if (soup.triangles[t][k] == point) mesh.property(handle, h) = values[3 * t + k];
     }
   }
 }
 
 /// Soup attributes become properties of the mesh.
-void set_attributes(const Soup& soup, BuiltMesh& built) {
-  Mesh& mesh = built.mesh;
+void set_attributes(const Soup& soup, Mesh& mesh, const BuiltMesh& built, const Context& context) {
+  Pace pace(context);
   const bool has_uv = soup.vertex_scalars.contains("u") && soup.vertex_scalars.contains("v");
   for (const auto& scalar : soup.vertex_scalars) {
     const std::string& name = scalar.first;
@@ -74,19 +80,22 @@ void set_attributes(const Soup& soup, BuiltMesh& built) {
     if (has_uv && name == "v") continue;
     if (has_uv && name == "u") {
       const std::vector<double>& v = soup.vertex_scalars.at("v");
-      add_vertex_property<Vec2>(built, property::uv, [&](std::uint32_t i) { return Vec2(values[i], v[i]); });
+      add_vertex_property<Vec2>(mesh, built, property::uv, pace, [&](std::uint32_t i) { return Vec2(values[i], v[i]); });
     } else if ((full == property::point_index || full == property::cad_face) && whole_numbers(values)) {
-      add_vertex_property<int>(built, full, [&](std::uint32_t i) { return static_cast<int>(values[i]); });
+      add_vertex_property<int>(mesh, built, full, pace, [&](std::uint32_t i) { return static_cast<int>(values[i]); });
     } else {
-      add_vertex_property<double>(built, full, [&](std::uint32_t i) { return values[i]; });
+      add_vertex_property<double>(mesh, built, full, pace, [&](std::uint32_t i) { return values[i]; });
     }
   }
   for (const auto& [name, values] : soup.face_scalars) {
     OpenMesh::FPropHandleT<double> handle;
     mesh.add_property(handle, "f:" + name);
-    for (const FaceHandle f : mesh.faces()) mesh.property(handle, f) = values[built.triangle_of(f)];
+    for (const FaceHandle f : mesh.faces()) {
+      pace();
+      mesh.property(handle, f) = values[built.triangle_of(f)];
+    }
   }
-  for (const auto& scalar : soup.corner_scalars) set_corners(soup, scalar.second, scalar.first, built);
+  for (const auto& scalar : soup.corner_scalars) set_corners(soup, scalar.second, scalar.first, mesh, built, pace);
   for (const auto& [name, labels] : soup.face_labels) {
     OpenMesh::MPropHandleT<std::vector<std::string>> handle;
     mesh.add_property(handle, property::labels + name);
@@ -116,11 +125,12 @@ constexpr std::size_t link_block = 1 << 14;  // triangles
 /// Writes all links of a manifold triangle list. `twin` is used up: entries become half-edge numbers.
 ///
 /// Edges are numbered by their first side, which owns them; counted by blocks, so that every block knows its first number.
-void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::Sides& twin, Mesh& mesh) {
+void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::Sides& twin, Mesh& mesh, const Context& context) {
   mesh.resize(vertices, count_edges(twin), triangles.size());
   const std::size_t n_blocks = (triangles.size() + link_block - 1) / link_block;
   const auto for_blocks = [&](const auto& visit) {
     tbb::parallel_for(std::size_t{0}, n_blocks, [&](std::size_t block) {
+      context.checkpoint();
       for (std::size_t i = block * link_block; i < std::min((block + 1) * link_block, triangles.size()); ++i)
         visit(block, i);
     });
@@ -169,7 +179,8 @@ void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::
         });
       },
       [&] {
-        for (std::size_t i = 0; i < triangles.size(); ++i)
+        Pace pace(context);
+        for (std::size_t i = 0; i < triangles.size(); ++i, pace())
           for (int k = 0; k < 3; ++k)
             mesh.set_halfedge_handle(VertexHandle(static_cast<int>(triangles[i][k])), HalfedgeHandle(twin[3 * i + k]));
       });
@@ -238,7 +249,7 @@ void build(std::span<const Vec3> points, std::span<const Triangle> given, const 
   bool manifold = pairs.same_way.empty() && pairs.crowded.empty();
   if (manifold) {
     tbb::parallel_invoke(
-        [&] { manifold = vertices_with_several_fans(given, points.size(), pairs.twin).empty(); },
+        [&] { manifold = vertices_with_several_fans(given, points.size(), pairs.twin, context).empty(); },
         [&] { mesh.resize(points.size(), count_edges(pairs.twin), given.size()); });
   }
   context.checkpoint();
@@ -253,7 +264,7 @@ void build(std::span<const Vec3> points, std::span<const Triangle> given, const 
 
   result.points = points.size();
   const std::vector<std::uint32_t>& copied = result.repairs.copied_points;
-  link(given, points.size() + copied.size(), pairs.twin, mesh);
+  link(given, points.size() + copied.size(), pairs.twin, mesh, context);
   for (std::size_t i = 0; i < copied.size(); ++i)
     mesh.set_point(VertexHandle(static_cast<int>(points.size() + i)), points[copied[i]]);
   report_repairs(result);
@@ -319,21 +330,20 @@ void build_known(std::span<const Vec3> points, std::span<const Triangle> triangl
   context.progress("build-mesh", 1);
 }
 
-}  // namespace
-
-BuiltMesh build_mesh(const Soup& soup, Context& context) {
+/// @param result  gets everything but the mesh
+void build_soup(const Soup& soup, Mesh& mesh, BuiltMesh& result, Context& context) {
   check_sizes(soup.points.size(), soup.triangles);
-  check_soup(soup);
   context.progress("build-mesh", 0);
+  check_soup(soup, &context);
 
-  BuiltMesh result;
+  Pace pace(context);
   std::span<const Triangle> triangles = soup.triangles;
   std::vector<Triangle> kept;
   std::vector<std::uint32_t>& set_aside = result.set_aside;
-  for (std::size_t i = 0; i < triangles.size(); ++i)
+  for (std::size_t i = 0; i < triangles.size(); ++i, pace())
     if (repeats_vertex(triangles[i])) set_aside.push_back(static_cast<std::uint32_t>(i));
   if (!set_aside.empty()) {
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (std::size_t i = 0; i < triangles.size(); ++i, pace()) {
       if (repeats_vertex(triangles[i])) continue;
       kept.push_back(triangles[i]);
       result.triangle_of_face.push_back(static_cast<std::uint32_t>(i));
@@ -344,10 +354,24 @@ BuiltMesh build_mesh(const Soup& soup, Context& context) {
     note_places(result.report, set_aside, "set aside triangle", [](std::uint32_t i) { return i; });
   }
   const auto pair = [&] { return pair_sides(triangles, soup.points.size(), context); };
-  in_arena(context, [&] { build(soup.points, triangles, pair, result.mesh, result, context); });
-  set_attributes(soup, result);
+  in_arena(context, [&] { build(soup.points, triangles, pair, mesh, result, context); });
+  set_attributes(soup, mesh, result, context);
   context.progress("build-mesh", 1);
+}
+
+}  // namespace
+
+BuiltMesh build_mesh(const Soup& soup, Context& context) {
+  BuiltMesh result;
+  build_soup(soup, result.mesh, result, context);
   return result;
+}
+
+Report build_mesh_into(Mesh& mesh, const Soup& soup, Context& context) {
+  if (mesh.n_vertices() > 0 || mesh.n_faces() > 0) throw InvalidInput("build_mesh_into: the mesh is not empty");
+  BuiltMesh result;
+  build_soup(soup, mesh, result, context);
+  return std::move(result.report);
 }
 
 BuiltMesh build_mesh(std::span<const Vec3> points, std::span<const Triangle> triangles,

@@ -60,6 +60,12 @@ struct BuiltMesh {
 /// more than 2^31 / 3 triangles; Cancelled. The soup is never changed.
 BuiltMesh build_mesh(const Soup& soup, Context& context);
 
+/// The same into a mesh of the caller's: OpenMesh's meshes copy where others move, which for millions of faces costs time
+/// and twice the memory.
+/// @param mesh empty, else InvalidInput is thrown; after any other exception its contents are undefined
+/// @return the report of `build_mesh`
+Report build_mesh_into(Mesh& mesh, const Soup& soup, Context& context);
+
 /// The same for triangles whose neighbours are known, as `delaunay` gives them: faster still.
 /// @param triangles coherently oriented, no edge in more than two of them
 /// @param neighbors one triple per triangle: its neighbour across the edge opposite corner k, or -1
@@ -68,8 +74,7 @@ BuiltMesh build_mesh(const Soup& soup, Context& context);
 BuiltMesh build_mesh(std::span<const Vec3> points, std::span<const Triangle> triangles,
                      std::span<const std::array<std::int32_t, 3>> neighbors, Context& context);
 
-/// The same into a mesh of the caller's: OpenMesh's meshes copy where others move, which for millions of faces costs time
-/// and twice the memory.
+/// The same into a mesh of the caller's.
 /// @param mesh empty, else InvalidInput is thrown; after any other exception its contents are undefined
 /// @return the point of each vertex that was appended after the points, as `ManifoldRepairs::copied_points`
 std::vector<std::uint32_t> build_mesh_into(Mesh& mesh, std::span<const Vec3> points,

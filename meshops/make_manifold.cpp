@@ -5,6 +5,7 @@
 
 #include "meshops/joining/crowded_edges.hpp"
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -31,6 +32,7 @@ std::array<std::uint32_t, 2> edge_of(std::span<const Triangle> triangles, Side s
 /// copy are not taken for neighbours: reversing one would close them to a pillow.
 std::vector<std::uint32_t> triangles_to_reverse(std::span<const Triangle> triangles, const SidePairs& pairs,
                                                 Context& context) {
+  Pace pace(context);
   std::vector<Side> partner(pairs.twin.size(), none);
   std::vector<char> same(pairs.twin.size());
   for (const auto& [a, b] : pairs.same_way) {
@@ -49,6 +51,7 @@ std::vector<std::uint32_t> triangles_to_reverse(std::span<const Triangle> triang
     reverse[seed] = 0;
     std::size_t reversed = 0;
     for (std::size_t i = 0; i < component.size(); ++i) {
+      pace();
       const std::uint32_t t = component[i];
       reversed += static_cast<std::size_t>(reverse[t]);
       for (Side side = static_cast<Side>(3 * t); side < static_cast<Side>(3 * t + 3); ++side) {
@@ -79,18 +82,22 @@ void cut(SidePairs& pairs, Side side) {
 /// Gives every fan but the first of each vertex in `vertices` a copy of the vertex. Copies are numbered from
 /// `points + copies.size()` on, in the order of vertices and of the first corner of each fan.
 void split_vertices(std::vector<Triangle>& triangles, std::size_t points, const std::vector<std::uint32_t>& vertices,
-                    const SidePairs& pairs, std::vector<std::uint32_t>& copies) {
+                    const SidePairs& pairs, std::vector<std::uint32_t>& copies, const Context& context) {
+  Pace pace(context);
   if (vertices.empty()) return;
   std::map<std::uint32_t, std::vector<Side>> corners;
   std::vector<char> wanted(points);
   for (const std::uint32_t v : vertices) wanted[v] = 1;
-  for (std::size_t i = 0; i < triangles.size(); ++i)
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    pace();
     for (std::size_t k = 0; k < 3; ++k)
       if (wanted[triangles[i][k]]) corners[triangles[i][k]].push_back(static_cast<Side>(3 * i + k));
+  }
   std::vector<char> seen(pairs.twin.size());
   for (const auto& [v, sides] : corners) {
     bool first = true;
     for (const Side corner : sides) {
+      pace();
       if (seen[corner]) continue;
       Side start = corner;  // clockwise to the first triangle of an open fan, or once around
       while (pairs.twin[start] != none) {
@@ -114,18 +121,19 @@ void split_vertices(std::vector<Triangle>& triangles, std::size_t points, const 
 
 class Splitter {
  public:
-  Splitter(std::vector<Triangle>& triangles, std::span<const Vec3> points, SidePairs& pairs, ManifoldRepairs& repairs)
-      : triangles_(triangles), points_(points), pairs_(pairs), repairs_(repairs) {}
+  Splitter(std::vector<Triangle>& triangles, std::span<const Vec3> points, SidePairs& pairs, ManifoldRepairs& repairs,
+           const Context& context)
+      : triangles_(triangles), points_(points), pairs_(pairs), repairs_(repairs), context_(context) {}
 
   /// @param groups the sides of every edge that might be there twice
-  void run(const std::vector<Group>& groups, Context& context) {
+  void run(const std::vector<Group>& groups) {
     const std::vector<Triangle> unsplit = groups.empty() ? std::vector<Triangle>() : triangles_;
     split();
     std::vector<Group> twice = edges_there_twice(groups);
     if (twice.empty()) return;
 
     // Cutting the edge open often parts the two sheets; what still shares both ends then belongs together.
-    context.checkpoint();
+    context_.checkpoint();
     for (const Group& group : twice)
       for (const Side side : group) cut(pairs_, side);
     triangles_ = unsplit;
@@ -136,7 +144,7 @@ class Splitter {
     twice = edges_there_twice(groups);
     if (twice.empty()) return;
 
-    context.checkpoint();
+    context_.checkpoint();
     for (const Group& group : twice) {
       for (const Side side : group) {
         const Side first = side - side % 3;
@@ -156,8 +164,8 @@ class Splitter {
 
   void split() {
     repairs_.copied_points.clear();
-    split_vertices(triangles_, points_.size(), vertices_with_several_fans(triangles_, points_.size(), pairs_.twin),
-                   pairs_, repairs_.copied_points);
+    split_vertices(triangles_, points_.size(), vertices_with_several_fans(triangles_, points_.size(), pairs_.twin, context_),
+                   pairs_, repairs_.copied_points, context_);
   }
 
   std::map<Ends, Group> by_ends(const Group& group) const {
@@ -167,8 +175,10 @@ class Splitter {
   }
 
   std::vector<Group> edges_there_twice(const std::vector<Group>& groups) const {
+    Pace pace(context_, 1024);
     std::vector<Group> twice;
     for (const Group& group : groups) {
+      pace();
       for (const auto& [ends, sides] : by_ends(group)) {
         if (sides.size() > 2 || (sides.size() == 2 && pairs_.twin[sides[0]] != sides[1])) {
           twice.push_back(group);
@@ -191,6 +201,7 @@ class Splitter {
   std::span<const Vec3> points_;
   SidePairs& pairs_;
   ManifoldRepairs& repairs_;
+  const Context& context_;
 };
 
 }  // namespace
@@ -209,7 +220,7 @@ ManifoldRepairs make_manifold(std::vector<Triangle>& triangles, std::span<const 
     groups.push_back({a, b});
   }
   if (!pairs.crowded.empty()) {
-    const std::vector<std::uint32_t> turned = pair_crowded_sides(triangles, points, pairs, true);
+    const std::vector<std::uint32_t> turned = pair_crowded_sides(triangles, points, pairs, true, context);
     if (!turned.empty()) {
       turn_around(triangles, turned);
       std::vector<std::uint32_t> once;
@@ -218,7 +229,7 @@ ManifoldRepairs make_manifold(std::vector<Triangle>& triangles, std::span<const 
       pairs = pair_sides(triangles, points.size(), context);
       groups.clear();
       for (const auto& [a, b] : pairs.same_way) groups.push_back({a, b});
-      pair_crowded_sides(triangles, points, pairs, false);
+      pair_crowded_sides(triangles, points, pairs, false, context);
     }
   }
   for (const Group& group : pairs.crowded) {
@@ -227,7 +238,7 @@ ManifoldRepairs make_manifold(std::vector<Triangle>& triangles, std::span<const 
   }
   pairs.same_way.clear();
   pairs.crowded.clear();
-  Splitter(triangles, points, pairs, repairs).run(groups, context);
+  Splitter(triangles, points, pairs, repairs, context).run(groups);
   return repairs;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "meshops/error.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -54,9 +55,11 @@ Vec3 weights_in(const Soup& soup, const Triangle& t, const Vec3& p) {
 
 }  // namespace
 
-void check_soup(const Soup& soup) {
+void check_soup(const Soup& soup, const Context* context) {
+  Pace pace(context);
   const std::size_t points = soup.points.size(), triangles = soup.triangles.size();
   for (std::size_t i = 0; i < triangles; ++i) {
+    pace();
     const auto [a, b, c] = soup.triangles[i];
     if (std::max({a, b, c}) >= points)
       throw InvalidInput(
@@ -69,11 +72,14 @@ void check_soup(const Soup& soup) {
   if (!soup.vertex_normals.empty()) check_length("vertex_normals", soup.vertex_normals.size(), points);
 }
 
-void keep_triangles(Soup& soup, const std::vector<char>& keep) {
+void keep_triangles(Soup& soup, const std::vector<char>& keep, const Context* context) {
+  Pace pace(context);
   const auto shrink = [&](auto& list, std::size_t per_triangle) {
     std::size_t end = 0;
-    for (std::size_t i = 0; i < list.size(); ++i)
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      pace();
       if (keep[i / per_triangle]) list[end++] = list[i];
+    }
     list.resize(end);
   };
   shrink(soup.triangles, 1);
@@ -81,17 +87,23 @@ void keep_triangles(Soup& soup, const std::vector<char>& keep) {
   for (auto& [name, values] : soup.corner_scalars) shrink(values, 3);
 }
 
-void renumber_points(Soup& soup, std::span<const std::uint32_t> number, std::size_t count) {
+void renumber_points(Soup& soup, std::span<const std::uint32_t> number, std::size_t count, const Context* context) {
+  Pace pace(context);
   std::vector<std::uint32_t> source(count, dropped_point);
   for (std::uint32_t i = 0; i < number.size(); ++i)
     if (number[i] != dropped_point && source[number[i]] == dropped_point) source[number[i]] = i;
   for_point_lists(soup, [&](auto& list) {
     auto old = std::exchange(list, {});
     list.reserve(count);
-    for (const std::uint32_t i : source) list.push_back(old[i]);
+    for (const std::uint32_t i : source) {
+      pace();
+      list.push_back(old[i]);
+    }
   });
-  for (Triangle& t : soup.triangles)
+  for (Triangle& t : soup.triangles) {
+    pace();
     for (std::uint32_t& v : t) v = number[v];
+  }
 }
 
 std::uint32_t copy_point(Soup& soup, std::uint32_t point) {

@@ -4,13 +4,15 @@
 #include <span>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
 
 /// Checks that every index is below the number of points and every attribute has its length.
-/// @throws InvalidInput naming the first triangle or attribute that has not.
-void check_soup(const Soup& soup);
+/// @param context  null: cannot be cancelled
+/// @throws InvalidInput naming the first triangle or attribute that has not; Cancelled.
+void check_soup(const Soup& soup, const Context* context = nullptr);
 
 /// True if the triangle names a vertex twice.
 inline bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
@@ -23,13 +25,17 @@ inline Vec3 area_vector(const Soup& soup, const Triangle& t) {
 // Every change below carries all attributes along; linear in what it touches unless it says otherwise.
 
 /// Drops the triangles whose entry in `keep` is 0; the others keep their order. O(triangles).
-void keep_triangles(Soup& soup, const std::vector<char>& keep);
+/// @param context  null: cannot be cancelled
+/// @throws Cancelled; the soup is then half done
+void keep_triangles(Soup& soup, const std::vector<char>& keep, const Context* context = nullptr);
 
 /// Gives the points new numbers. Point i becomes `number[i]`; where several get the same, the position and the attributes
 /// of the first are taken. A point whose number is `dropped_point` goes; no triangle may name it. O(points + triangles).
 /// @param count how many points there are afterwards; every number below it occurs
+/// @param context  null: cannot be cancelled
+/// @throws Cancelled; the soup is then half done
 inline constexpr std::uint32_t dropped_point = 0xffffffff;
-void renumber_points(Soup& soup, std::span<const std::uint32_t> number, std::size_t count);
+void renumber_points(Soup& soup, std::span<const std::uint32_t> number, std::size_t count, const Context* context = nullptr);
 
 /// Appends a copy of a point and returns its index.
 std::uint32_t copy_point(Soup& soup, std::uint32_t point);

@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "meshops/build_mesh.hpp"
+#include "meshops/editing/change_recorder.hpp"
 #include "meshops/editing/change_set.hpp"
 #include "meshops/editing/mesh_edit.hpp"
 #include "meshops/editing/new_values.hpp"
 #include "meshops/error.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/soup_edit.hpp"
 #include "meshops/to_soup.hpp"
@@ -41,27 +43,28 @@ bool same_cycle(const Corners& a, const Corners& b) {
 }
 
 /// The selected part of a mesh as a soup, marked.
-Soup marked_part(MeshView view) {
+Soup marked_part(MeshView view, const Context& context) {
+  Pace pace(context);
   const auto& mesh = view.mesh;
-  Soup soup = to_soup(view);
+  Soup soup = to_soup(view, &context);
   auto& vertex = soup.vertex_scalars[vertex_mark];
-  for (std::size_t i = 0; i < mesh.n_vertices(); ++i)
+  for (std::size_t i = 0; i < mesh.n_vertices(); ++i, pace())
     if (!mesh.status(VertexHandle(static_cast<int>(i))).deleted()) vertex.push_back(static_cast<double>(i));
   auto& face = soup.face_scalars[face_mark];
-  for (std::size_t i = 0; i < mesh.n_faces(); ++i)
+  for (std::size_t i = 0; i < mesh.n_faces(); ++i, pace())
     if (!mesh.status(FaceHandle(static_cast<int>(i))).deleted()) face.push_back(static_cast<double>(i));
   if (!view.selection) return soup;
 
   std::vector<char> keep(soup.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = view.may_replace(FaceHandle(static_cast<int>(face[t])));
-  keep_triangles(soup, keep);
+  for (std::size_t t = 0; t < keep.size(); ++t, pace()) keep[t] = view.may_replace(FaceHandle(static_cast<int>(face[t])));
+  keep_triangles(soup, keep, &context);
   std::vector<std::uint32_t> number(soup.points.size(), dropped_point);
   std::uint32_t count = 0;
   for (const Triangle& t : soup.triangles)
     for (const std::uint32_t v : t) number[v] = 0;
   for (std::uint32_t& n : number)
     if (n == 0) n = count++;
-  renumber_points(soup, number, count);
+  renumber_points(soup, number, count, &context);
   return soup;
 }
 
@@ -73,13 +76,21 @@ std::uint32_t read_mark(double mark, std::size_t count) {
 /// Puts what became of the part into the mesh.
 class Replacement {
  public:
-  Replacement(MeshView view, const Mesh& made, Report& report)
-      : view_(view), mesh_(view.mesh), made_(made), report_(report), vertices_(mesh_.n_vertices()), faces_(mesh_.n_faces()) {
+  Replacement(MeshView view, const Mesh& made, Report& report, const Context& context)
+      : view_(view),
+        mesh_(view.mesh),
+        made_(made),
+        report_(report),
+        context_(context),
+        pace_(context),
+        vertices_(mesh_.n_vertices()),
+        faces_(mesh_.n_faces()) {
     require_property(vertex_of_, std::string("v:") + vertex_mark);
     require_property(face_of_, std::string("f:") + face_mark);
   }
 
   /// @param in_part  of each vertex of the mesh: whether it went into the soup
+  /// @throws Cancelled, half done
   void run(const std::vector<char>& in_part) {
     match_vertices();
     match_faces();
@@ -99,7 +110,7 @@ class Replacement {
     handle_.assign(made_.n_vertices(), VertexHandle());
     taken_.assign(vertices_, 0);
     for (const bool moved : {false, true})
-      for (std::size_t i = 0; i < made_.n_vertices(); ++i) {
+      for (std::size_t i = 0; i < made_.n_vertices(); ++i, pace_()) {
         const VertexHandle w(static_cast<int>(i));
         const std::uint32_t mark = read_mark(made_.property(vertex_of_, w), vertices_);
         if (mark == none || taken_[mark] || handle_[i].is_valid()) continue;
@@ -113,7 +124,7 @@ class Replacement {
 
   void match_faces() {
     stays_.assign(faces_, 0);
-    for (std::size_t i = 0; i < made_.n_faces(); ++i) {
+    for (std::size_t i = 0; i < made_.n_faces(); ++i, pace_()) {
       const FaceHandle g(static_cast<int>(i));
       const std::uint32_t mark = read_mark(made_.property(face_of_, g), faces_);
       const Corners now = corners_of(made_, g);
@@ -129,17 +140,19 @@ class Replacement {
 
   void delete_old(const std::vector<char>& in_part) {
     // What new elements inherit from deleted ones is looked up before.
-    for (const FaceHandle g : new_faces_)
+    for (const FaceHandle g : new_faces_) {
+      pace_();
       for (const VertexHandle w : corners_of(made_, g))
         if (!handle_[index(w)].is_valid()) sources_.emplace(index(w), sources_of(w, g));
-    for (std::size_t i = 0; i < faces_; ++i) {
+    }
+    for (std::size_t i = 0; i < faces_; ++i, pace_()) {
       const FaceHandle f(static_cast<int>(i));
       if (stays_[i] || mesh_.status(f).deleted() || !view_.may_replace(f)) continue;
       delete_face(view_, f);
       report_.touched_faces.push_back(static_cast<std::uint32_t>(i));
     }
     double parted = 0;
-    for (std::size_t i = 0; i < vertices_; ++i) {
+    for (std::size_t i = 0; i < vertices_; ++i, pace_()) {
       const VertexHandle v(static_cast<int>(i));
       if (!in_part[i] || taken_[i] || mesh_.status(v).deleted()) continue;
       if (mesh_.is_isolated(v)) {
@@ -173,10 +186,11 @@ class Replacement {
 
   void place_vertices() {
     for (const VertexHandle w : moved_) {
+      pace_();
       set_point(view_, handle_[index(w)], made_.point(w));
       report_.touched_vertices.push_back(static_cast<std::uint32_t>(handle_[index(w)].idx()));
     }
-    for (std::size_t i = 0; i < made_.n_vertices(); ++i) {
+    for (std::size_t i = 0; i < made_.n_vertices(); ++i, pace_()) {
       if (handle_[i].is_valid()) continue;
       const auto known = sources_.find(i);
       handle_[i] = add_vertex(view_, made_.point(VertexHandle(static_cast<int>(i))),
@@ -188,14 +202,15 @@ class Replacement {
   void add_new() {
     std::vector<VertexTriple> triples;
     for (const FaceHandle g : new_faces_) {
+      pace_();
       const Corners c = corners_of(made_, g);
       triples.push_back({handle_[index(c[0])], handle_[index(c[1])], handle_[index(c[2])]});
     }
     std::vector<FaceHandle> added;
-    if (const FitResult fit = add_faces(view_, triples, &added); fit != FitResult::fits)
+    if (const FitResult fit = add_faces(view_, triples, &added, &context_); fit != FitResult::fits)
       throw InvalidInput("what the operator made of the selection does not fit to the faces around it (" +
                          std::string(to_string(fit)) + "); select more of the mesh");
-    for (std::size_t i = 0; i < added.size(); ++i) {
+    for (std::size_t i = 0; i < added.size(); ++i, pace_()) {
       report_.touched_faces.push_back(static_cast<std::uint32_t>(added[i].idx()));
       if (const std::uint32_t mark = read_mark(made_.property(face_of_, new_faces_[i]), faces_); mark != none)
         inherit(added[i], FaceHandle(static_cast<int>(mark)));
@@ -235,6 +250,8 @@ class Replacement {
   OpenMesh::TriConnectivity& mesh_;
   const Mesh& made_;
   Report& report_;
+  const Context& context_;
+  Pace pace_;
   const std::size_t vertices_, faces_;  ///< of the mesh before
   OpenMesh::VPropHandleT<double> vertex_of_;
   OpenMesh::FPropHandleT<double> face_of_;
@@ -248,7 +265,7 @@ class Replacement {
 }  // namespace
 
 Report run_on_mesh(const std::function<Report(Soup&)>& op, MeshView view, Context& context) {
-  Soup soup = marked_part(view);
+  Soup soup = marked_part(view, context);
   std::vector<char> in_part(view.mesh.n_vertices(), 0);
   for (const double v : soup.vertex_scalars.at(vertex_mark)) in_part[static_cast<std::size_t>(v)] = 1;
   Report report = op(soup);
@@ -260,8 +277,14 @@ Report run_on_mesh(const std::function<Report(Soup&)>& op, MeshView view, Contex
   context.checkpoint();
   for (const auto& [reason, count] : built.report.skipped) report.skipped[reason] += count;
   report.notes.insert(report.notes.end(), built.report.notes.begin(), built.report.notes.end());
-  // Recorded, so that a part that does not fit leaves the mesh as it was.
-  record(view, [&](MeshView recorded) { Replacement(recorded, built.mesh, report).run(in_part); });
+  // Recorded, so that a part that does not fit, or a cancel, leaves the mesh as it was.
+  ChangeRecorder recorder(view);
+  try {
+    Replacement(recorder.view(), built.mesh, report, context).run(in_part);
+  } catch (...) {
+    recorder.roll_back();
+    throw;
+  }
   return report;
 }
 

@@ -14,16 +14,27 @@
 
 #include "meshops/editing/label_property.hpp"
 #include "meshops/editing/number_properties.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
 
 using OpenMesh::PropertyT;
-using Indices = std::span<const std::uint32_t>;
+/// Of elements that stay.
+struct Indices {
+  std::span<const std::uint32_t> list;
+  const Context* context = nullptr;  ///< null: cannot be cancelled
+
+  std::size_t size() const { return list.size(); }
+  std::uint32_t operator[](std::size_t i) const { return list[i]; }
+  auto begin() const { return list.begin(); }
+  auto end() const { return list.end(); }
+};
 
 template <class Visit>
-void for_all(std::size_t n, const Visit& visit) {
+void for_all(std::size_t n, const Context* context, const Visit& visit) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096), [&](const auto& range) {
+    if (context) context->checkpoint();
     for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i);
   });
 }
@@ -33,7 +44,7 @@ using Scalars = std::map<std::string, std::vector<double>>;
 /// One number per element that stays.
 std::vector<double> gather(Indices elements, const auto& number) {
   std::vector<double> values(elements.size());
-  for_all(elements.size(), [&](std::size_t k) { values[k] = static_cast<double>(number(static_cast<int>(elements[k]))); });
+  for_all(elements.size(), elements.context, [&](std::size_t k) { values[k] = static_cast<double>(number(static_cast<int>(elements[k]))); });
   return values;
 }
 
@@ -125,44 +136,45 @@ void gather_face_property(const OpenMesh::BaseProperty& property, Indices faces,
 
 }  // namespace
 
-Soup to_soup(const MeshView& view) {
+Soup to_soup(const MeshView& view, const Context* context) {
+  Pace pace(context);
   const OpenMesh::TriConnectivity& mesh = view.mesh;
   const bool vertex_status = mesh.has_vertex_status(), face_status = mesh.has_face_status();
   Soup soup;
   std::vector<std::uint32_t> vertices, faces, number(mesh.n_vertices());
   vertices.reserve(mesh.n_vertices());
-  for (std::uint32_t i = 0; i < mesh.n_vertices(); ++i) {
+  for (std::uint32_t i = 0; i < mesh.n_vertices(); ++i, pace()) {
     if (vertex_status && mesh.status(VertexHandle(static_cast<int>(i))).deleted()) continue;
     number[i] = static_cast<std::uint32_t>(vertices.size());
     vertices.push_back(i);
   }
   faces.reserve(mesh.n_faces());
-  for (std::uint32_t i = 0; i < mesh.n_faces(); ++i)
+  for (std::uint32_t i = 0; i < mesh.n_faces(); ++i, pace())
     if (!face_status || !mesh.status(FaceHandle(static_cast<int>(i))).deleted()) faces.push_back(i);
   soup.points.resize(vertices.size());
-  for_all(vertices.size(),
+  for_all(vertices.size(), context,
           [&](std::size_t k) { soup.points[k] = view.point(VertexHandle(static_cast<int>(vertices[k]))); });
   soup.triangles.resize(faces.size());
-  for_all(faces.size(), [&](std::size_t k) {
+  for_all(faces.size(), context, [&](std::size_t k) {
     // `build_mesh` stores the side from a triangle's first corner, so triples come back as they were.
     const HalfedgeHandle a = mesh.halfedge_handle(FaceHandle(static_cast<int>(faces[k]))), b = mesh.next_halfedge_handle(a);
     const auto corner = [&](HalfedgeHandle h) { return number[mesh.from_vertex_handle(h).idx()]; };
     soup.triangles[k] = {corner(a), corner(b), corner(mesh.next_halfedge_handle(b))};
   });
   for (auto it = mesh.vprops_begin(); it != mesh.vprops_end(); ++it)
-    if (*it) gather_vertex_property(**it, vertices, soup);
+    if (*it) gather_vertex_property(**it, {vertices, context}, soup);
   for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it)
-    if (*it) gather_face_property(**it, faces, soup);
+    if (*it) gather_face_property(**it, {faces, context}, soup);
   std::vector<std::uint32_t> corners;  // half-edges
   for (auto it = mesh.hprops_begin(); it != mesh.hprops_end(); ++it) {
     if (!*it || !(*it)->name().starts_with("h:")) continue;
-    for (std::size_t i = corners.size() / 3; i < faces.size(); ++i) {
+    for (std::size_t i = corners.size() / 3; i < faces.size(); ++i, pace()) {
       const HalfedgeHandle first = mesh.halfedge_handle(FaceHandle(static_cast<int>(faces[i])));
       HalfedgeHandle h = mesh.prev_halfedge_handle(first);  // ends in the first corner
       for (int k = 0; k < 3; ++k, h = mesh.next_halfedge_handle(h)) corners.push_back(static_cast<std::uint32_t>(h.idx()));
     }
     const std::string name = (*it)->name().substr(2);
-    add_scalars(**it, name, corners, soup.corner_scalars, columns_of(name));
+    add_scalars(**it, name, {corners, context}, soup.corner_scalars, columns_of(name));
   }
   for (auto it = mesh.mprops_begin(); it != mesh.mprops_end(); ++it) {
     if (!*it || !(*it)->name().starts_with(property::labels)) continue;

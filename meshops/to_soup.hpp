@@ -1,5 +1,6 @@
 #pragma once
 
+#include "meshops/context.hpp"
 #include "meshops/mesh_view.hpp"
 #include "meshops/soup.hpp"
 
@@ -17,6 +18,8 @@ namespace tri {
 /// a name of this kind have no place in a soup.
 ///
 /// @param view  is only read; a kernel without status attributes has nothing deleted
-Soup to_soup(const MeshView& view);
+/// @param context  null: cannot be cancelled
+/// @throws Cancelled
+Soup to_soup(const MeshView& view, const Context* context = nullptr);
 
 }  // namespace tri

@@ -109,7 +109,8 @@ void check_threads() {
   });
 }
 
-/// Cancelled at any checkpoint, the value is in the state that its kind promises; progress never goes backwards.
+/// Cancelled at any checkpoint, the value is in the state that its kind promises; progress is told, never goes backwards, and
+/// every step of it that was begun is at its end when the operator returns.
 template <class Kind>
 void check_cancel() {
   for_all<Kind>([](const Operator& op, const typename Kind::Value& input) {
@@ -127,6 +128,11 @@ void check_cancel() {
         before = done;
       };
       run(op, value, context);
+      CHECK_FALSE(share.empty());
+      for (const auto& [step, done] : share) {
+        CAPTURE(step);
+        CHECK(done == 1);
+      }
     }
     CHECK(checkpoints > 0);
     for (int stop = 1; stop <= std::min(checkpoints, 40); ++stop) {

@@ -2,6 +2,8 @@
 
 #include <memory>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "io/plugins.hpp"
 #include "meshops/error.hpp"
@@ -64,6 +66,24 @@ TEST_CASE("plugins: the code stays as long as a copy of the registry lives") {
   CHECK(copy.find("scale") == nullptr);
   load_plugin(copy, folder + "/good/scale.so");
   CHECK(copy.find("scale") != nullptr);
+}
+
+TEST_CASE("plugins: loaded at the same time on several threads, each into a registry of its own") {
+  std::vector<int> failed(3, 0);
+  std::vector<std::thread> threads;
+  for (int& result : failed)
+    threads.emplace_back([&result] {
+      for (int round = 0; round < 3; ++round) {
+        Registry registry = Registry::standard();
+        load_plugin(registry, folder + "/good/scale.so");
+        Mesh mesh = icosahedron();
+        Context context;
+        const auto options = registry.at("scale").schema().make();
+        result += !registry.at("scale").run(view_of(mesh), options.get(), context).unchanged();
+      }
+    });
+  for (std::thread& t : threads) t.join();
+  for (const int result : failed) CHECK(result == 0);
 }
 
 TEST_CASE("plugins: what an operator of a plug-in throws arrives as the library's own exceptions") {

@@ -67,7 +67,7 @@ void judge_shells(const Soup& soup, MeshCheck& check, Context& context) {
 }
 
 void find_coincident(const Soup& soup, bool with_intersections, MeshCheck& check, Context& context) {
-  const std::vector<std::uint32_t> same = points_at_same_place(soup.points);
+  const std::vector<std::uint32_t> same = points_at_same_place(soup.points, &context);
   for (std::uint32_t i = 0; i < same.size(); ++i)
     if (same[i] != i) check.coincident_vertices.push_back({same[i], i});
   if (!check.coincident_vertices.empty())
@@ -115,11 +115,11 @@ std::vector<std::pair<const char*, std::uint64_t>> MeshCheck::defects(bool bound
 }
 
 MeshCheck check_mesh(const Soup& soup, const MeshCheckOptions& options, Context& context) {
-  check_soup(soup);
+  check_soup(soup, &context);
   context.checkpoint();
   context.progress("check", 0);
   MeshCheck check;
-  check.summary = summarize(soup, &check.places);
+  check.summary = summarize(soup, &check.places, &context);
   context.checkpoint();
   context.progress("check", 0.3);
   judge_shapes(soup, options.needle, check);

@@ -1,12 +1,12 @@
 #include "meshops/checks/mesh_summary.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <utility>
 
+#include "meshops/pace.hpp"
+#include "meshops/search/cancellable_sort.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -24,7 +24,8 @@ std::size_t next_corner(std::size_t corner) { return corner % 3 == 2 ? corner - 
 
 class Summary {
  public:
-  Summary(const Soup& soup, MeshPlaces* places) : soup_(soup), places_(places), fans_(soup.triangles.size() * 3), parts_(soup.triangles.size()) {}
+  Summary(const Soup& soup, MeshPlaces* places, const Context* context)
+      : soup_(soup), places_(places), context_(context), pace_(context), fans_(soup.triangles.size() * 3), parts_(soup.triangles.size()) {}
 
   MeshSummary make() {
     s_.vertices = soup_.points.size();
@@ -60,6 +61,7 @@ class Summary {
     std::vector<bool> used(soup_.points.size(), false);
     const Vec3 middle = (s_.box_min + s_.box_max) * 0.5;  // keeps the volume's terms small
     for (const Triangle& t : soup_.triangles) {
+      pace_();
       for (const std::uint32_t v : t) used[v] = true;
       const Vec3 a = soup_.points[t[0]] - middle, b = soup_.points[t[1]] - middle, c = soup_.points[t[2]] - middle;
       const double twice = ((b - a) % (c - a)).norm();
@@ -74,21 +76,22 @@ class Summary {
     if (!places_) return;
     for (std::uint32_t v = 0; v < used.size(); ++v)
       if (!used[v]) places_->unused_vertices.push_back(v);
-    for (std::uint32_t t = 0; t < soup_.triangles.size(); ++t)
+    for (std::uint32_t t = 0; t < soup_.triangles.size(); ++t, pace_())
       if (repeats_vertex(soup_.triangles[t])) places_->repeated_corners.push_back(t);
   }
 
   void walk_edges() {
     std::vector<Side> sides;
     sides.reserve(soup_.triangles.size() * 3);
-    for (std::size_t corner = 0; corner < soup_.triangles.size() * 3; ++corner) {
+    for (std::size_t corner = 0; corner < soup_.triangles.size() * 3; ++corner, pace_()) {
       const std::uint64_t a = vertex(corner), b = vertex(next_corner(corner));
       if (!in_degenerate(corner)) sides.push_back({std::min(a, b) << 32 | std::max(a, b), corner});
     }
-    tbb::parallel_sort(sides.begin(), sides.end());
+    cancellable_sort(sides.begin(), sides.end(), context_);
     double sum = 0;
     s_.shortest_edge = sides.empty() ? 0 : std::numeric_limits<double>::infinity();
     for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+      pace_();
       while (end < sides.size() && sides[end].key == sides[begin].key) ++end;
       const double length =
           (soup_.points[vertex(sides[begin].corner)] - soup_.points[vertex(next_corner(sides[begin].corner))]).norm();
@@ -122,7 +125,7 @@ class Summary {
 
   void count_fans() {
     std::vector<std::uint32_t> fans_at(soup_.points.size(), 0);
-    for (std::size_t corner = 0; corner < soup_.triangles.size() * 3; ++corner)
+    for (std::size_t corner = 0; corner < soup_.triangles.size() * 3; ++corner, pace_())
       if (!in_degenerate(corner) && fans_.find(corner) == corner) ++fans_at[vertex(corner)];
     s_.nonmanifold_vertices =
         static_cast<std::uint64_t>(std::count_if(fans_at.begin(), fans_at.end(), [](std::uint32_t n) { return n > 1; }));
@@ -168,7 +171,7 @@ class Summary {
   void count_parts() {
     std::vector<std::uint32_t> number(soup_.triangles.size(), none);
     if (places_) places_->component_of_triangle.assign(soup_.triangles.size(), none);
-    for (std::size_t t = 0; t < soup_.triangles.size(); ++t) {
+    for (std::size_t t = 0; t < soup_.triangles.size(); ++t, pace_()) {
       if (repeats_vertex(soup_.triangles[t])) continue;
       if (parts_.find(t) == t) number[t] = static_cast<std::uint32_t>(s_.components++);
       if (places_) places_->component_of_triangle[t] = number[parts_.find(t)];
@@ -179,12 +182,12 @@ class Summary {
     using Keyed = std::pair<Triangle, std::uint32_t>;
     std::vector<Keyed> sorted;
     sorted.reserve(soup_.triangles.size());
-    for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+    for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i, pace_()) {
       sorted.emplace_back(soup_.triangles[i], i);
       std::sort(sorted.back().first.begin(), sorted.back().first.end());
     }
-    tbb::parallel_sort(sorted.begin(), sorted.end());
-    for (std::size_t i = 1; i < sorted.size(); ++i) {
+    cancellable_sort(sorted.begin(), sorted.end(), context_);
+    for (std::size_t i = 1; i < sorted.size(); ++i, pace_()) {
       if (sorted[i].first != sorted[i - 1].first) continue;
       ++s_.duplicate_triangles;
       if (places_) places_->duplicate_triangles.push_back(sorted[i].second);
@@ -195,6 +198,8 @@ class Summary {
   static constexpr std::uint32_t none = 0xffffffff;
   const Soup& soup_;
   MeshPlaces* places_;
+  const Context* context_;
+  Pace pace_;
   DisjointSets fans_;   // corners of one vertex whose triangles are connected over edges at it
   DisjointSets parts_;  // triangles
   std::vector<std::size_t> boundary_;
@@ -204,9 +209,9 @@ class Summary {
 
 }  // namespace
 
-MeshSummary summarize(const Soup& soup, MeshPlaces* places) {
+MeshSummary summarize(const Soup& soup, MeshPlaces* places, const Context* context) {
   if (places) *places = {};
-  return Summary(soup, places).make();
+  return Summary(soup, places, context).make();
 }
 
 }  // namespace tri

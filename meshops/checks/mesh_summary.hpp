@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
@@ -56,6 +57,8 @@ struct MeshPlaces {
 
 /// Counts what is in `soup`; any topology is allowed. O(N log N) time. The result does not depend on the number of threads.
 /// @param places if given, receives where the defects are
-MeshSummary summarize(const Soup& soup, MeshPlaces* places = nullptr);
+/// @param context  null: cannot be cancelled
+/// @throws Cancelled
+MeshSummary summarize(const Soup& soup, MeshPlaces* places = nullptr, const Context* context = nullptr);
 
 }  // namespace tri

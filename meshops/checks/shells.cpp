@@ -9,6 +9,7 @@
 
 #include "meshops/crossings/predicates.hpp"
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -53,10 +54,11 @@ bool in_flat(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& q) {
 
 class ShellFinder {
  public:
-  explicit ShellFinder(const Soup& soup) : soup_(soup) {}
+  ShellFinder(const Soup& soup, Context& context) : soup_(soup), pace_(context) {}
 
   Shells run(Context& context) {
     for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+      pace_();
       if (repeats_vertex(soup_.triangles[i])) continue;
       whole_.push_back(soup_.triangles[i]);
       source_.push_back(i);
@@ -96,6 +98,7 @@ class ShellFinder {
       queue.assign(1, seed);
       result_.of_triangle[source_[seed]] = id;
       for (std::size_t i = 0; i < queue.size(); ++i) {
+        pace_();
         const std::uint32_t t = source_[queue[i]];
         s.triangles.push_back(t);
         s.reversed += result_.reversed[t] != 0;
@@ -113,9 +116,15 @@ class ShellFinder {
         s.reversed = s.triangles.size() - s.reversed;
         for (const std::uint32_t t : s.triangles) result_.reversed[t] ^= 1;
       }
-      std::sort(s.triangles.begin(), s.triangles.end());
+    }
+    // Each list in increasing order, which costs no sorting.
+    for (Shell& s : result_.shells) s.triangles.clear();
+    for (const std::uint32_t t : source_) {
+      pace_();
+      result_.shells[result_.of_triangle[t]].triangles.push_back(t);
     }
     for (Side side = 0; side < static_cast<Side>(partner.size()); ++side) {
+      pace_();
       if (partner[side] <= side || (reversed(side) != reversed(partner[side])) == (same[side] != 0)) continue;
       const std::uint32_t a = from(side), b = from(SidePairs::next(side));
       result_.one_sided.push_back({std::min(a, b), std::max(a, b)});
@@ -127,17 +136,20 @@ class ShellFinder {
     for (Shell& s : shells) s.closed = true;
     std::vector<char> settled(pairs_.twin.size(), 0);
     for (Side side = 0; side < static_cast<Side>(settled.size()); ++side) {
+      pace_();
       if (pairs_.twin[side] == SidePairs::none) continue;
       settled[side] = 1;
       if (reversed(side) != reversed(pairs_.twin[side])) shells[shell(side)].closed = false;
     }
     for (const auto& [a, b] : pairs_.same_way) {
+      pace_();
       settled[a] = settled[b] = 1;
       if (shell(a) == shell(b) && reversed(a) != reversed(b)) continue;
       shells[shell(a)].closed = shells[shell(b)].closed = false;
     }
     std::map<std::uint32_t, int> balance;
     for (const auto& crowd : pairs_.crowded) {
+      pace_();
       balance.clear();
       const std::uint32_t a = from(crowd[0]);
       for (const Side side : crowd) {
@@ -147,8 +159,10 @@ class ShellFinder {
       for (const auto& [id, sum] : balance)
         if (sum != 0) shells[id].closed = false;
     }
-    for (Side side = 0; side < static_cast<Side>(settled.size()); ++side)
+    for (Side side = 0; side < static_cast<Side>(settled.size()); ++side) {
+      pace_();
       if (!settled[side]) shells[shell(side)].closed = false;
+    }
   }
 
   void measure() {
@@ -156,6 +170,7 @@ class ShellFinder {
       const Vec3 origin = soup_.points[soup_.triangles[s.triangles[0]][0]];  // keeps the volume's terms small
       double volume = 0;
       for (const std::uint32_t i : s.triangles) {
+        pace_();
         const Triangle& t = soup_.triangles[i];
         s.area += area_vector(soup_, t).norm() / 2;
         const double part = ((soup_.points[t[0]] - origin) | ((soup_.points[t[1]] - origin) % (soup_.points[t[2]] - origin))) / 6;
@@ -166,6 +181,7 @@ class ShellFinder {
   }
 
   const Soup& soup_;
+  Pace pace_;
   std::vector<Triangle> whole_;
   std::vector<std::uint32_t> source_;
   SidePairs pairs_;
@@ -201,16 +217,20 @@ InsideTest::Where InsideTest::locate(const Vec3& place) const {
 }
 
 Shells find_shells(const Soup& soup, Context& context) {
-  return ShellFinder(soup).run(context);
+  return ShellFinder(soup, context).run(context);
 }
 
 void find_depths(const Soup& soup, Shells& shells, Context& context) {
+  Pace pace(context);
   std::vector<Box> boxes(shells.shells.size());
   std::vector<std::uint32_t> closed;
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     if (!shells.shells[i].closed) continue;
     closed.push_back(i);
-    for (const std::uint32_t t : shells.shells[i].triangles) boxes[i].grow(box_of(soup, soup.triangles[t]));
+    for (const std::uint32_t t : shells.shells[i].triangles) {
+      pace();
+      boxes[i].grow(box_of(soup, soup.triangles[t]));
+    }
   }
   if (closed.size() < 2) return;
   std::vector<std::vector<std::uint32_t>> held(boxes.size());  // by the box of each shell
@@ -226,6 +246,7 @@ void find_depths(const Soup& soup, Shells& shells, Context& context) {
     for (const std::uint32_t inner : held[outer]) {
       bool is_inside = false, is_outside = false;
       for (const std::uint32_t t : shells.shells[inner].triangles) {
+        pace();
         for (const std::uint32_t v : soup.triangles[t]) {
           const InsideTest::Where where = test.locate(soup.points[v]);
           is_inside |= where == InsideTest::Where::inside;

@@ -22,7 +22,7 @@ std::vector<Triangle> by_place(std::span<const Vec3> points, std::span<const Tri
 bool is_closed_manifold(std::span<const Triangle> triangles, std::size_t points, Context& context) {
   const SidePairs pairs = pair_sides(triangles, points, context);
   return pairs.crowded.empty() && pairs.same_way.empty() && std::ranges::find(pairs.twin, SidePairs::none) == pairs.twin.end() &&
-         vertices_with_several_fans(triangles, points, pairs.twin).empty();
+         vertices_with_several_fans(triangles, points, pairs.twin, context).empty();
 }
 
 bool faces_outward(const Soup& soup, Context& context) {

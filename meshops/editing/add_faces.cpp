@@ -5,6 +5,7 @@
 
 #include "meshops/editing/change_recorder.hpp"
 #include "meshops/editing/new_values.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -28,7 +29,7 @@ struct Wedge {
   int from = 0, to = 0;
 };
 
-std::vector<Side> sides_of(std::span<const VertexTriple> triangles) {
+std::vector<Side> sides_of(std::span<const VertexTriple> triangles, Pace& pace) {
   std::vector<Side> sides;
   sides.reserve(3 * triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -36,7 +37,10 @@ std::vector<Side> sides_of(std::span<const VertexTriple> triangles) {
       const int a = triangles[t][k].idx(), b = triangles[t][(k + 1) % 3].idx();
       sides.push_back({std::min(a, b), std::max(a, b), a < b, static_cast<int>(t), k});
     }
-  std::sort(sides.begin(), sides.end());
+  std::sort(sides.begin(), sides.end(), [&](const Side& a, const Side& b) {
+    pace();
+    return a < b;
+  });
   return sides;
 }
 
@@ -69,12 +73,15 @@ int count_fans(std::vector<Wedge>& wedges) {
 }
 
 /// (vertex, wedge) for every corner of the batch, sorted by vertex.
-std::vector<std::pair<int, Wedge>> corners_of(std::span<const VertexTriple> triangles) {
+std::vector<std::pair<int, Wedge>> corners_of(std::span<const VertexTriple> triangles, Pace& pace) {
   std::vector<std::pair<int, Wedge>> corners;
   corners.reserve(3 * triangles.size());
   for (const VertexTriple& t : triangles)
     for (int k = 0; k < 3; ++k) corners.push_back({t[k].idx(), {t[(k + 1) % 3].idx(), t[(k + 2) % 3].idx()}});
-  std::stable_sort(corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(corners.begin(), corners.end(), [&](const auto& a, const auto& b) {
+    pace();
+    return a.first < b.first;
+  });
   return corners;
 }
 
@@ -116,7 +123,7 @@ void link_boundary(OpenMesh::TriConnectivity& mesh, VertexHandle v, const std::v
 
 /// Gives every new face the properties of a face beside it: of the mesh, else of a new one that has them already.
 /// @param halfedge  of the new faces, three each
-void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfedge, int first_face) {
+void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfedge, int first_face, Pace& pace) {
   const auto& mesh = view.mesh;
   const std::size_t count = halfedge.size() / 3;
   std::vector<char> has(count, 0);
@@ -130,6 +137,7 @@ void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfe
     return mesh.face_handle(mesh.opposite_halfedge_handle(halfedge[static_cast<std::size_t>(3 * t + k)]));
   };
   for (int t = 0; t < static_cast<int>(count); ++t) {
+    pace();
     FaceHandle source;
     for (int k = 0; k < 3; ++k) {
       const FaceHandle f = beside(t, k);
@@ -139,6 +147,7 @@ void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfe
   }
   for (std::size_t i = 0; i < ready.size(); ++i)
     for (int k = 0; k < 3; ++k) {
+      pace();
       const FaceHandle f = beside(ready[i], k);
       if (f.is_valid() && f.idx() >= first_face && !has[static_cast<std::size_t>(f.idx() - first_face)])
         inherit(FaceHandle(first_face + ready[i]), f.idx() - first_face);
@@ -150,7 +159,7 @@ void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfe
 /// Gives the corners of new faces the values of the nearest corner of the mesh at the same vertex, counted in faces
 /// around it; of two as near that beyond the next side.
 void inherit_corner_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge,
-                           int first_face) {
+                           int first_face, Pace& pace) {
   bool any = false;
   for_each_corner_property(mesh, [&](OpenMesh::BaseProperty&) { any = true; });
   if (!any) return;
@@ -162,6 +171,7 @@ void inherit_corner_values(OpenMesh::TriConnectivity& mesh, const std::vector<Ha
   std::vector<int> steps;            // from the corner of the mesh whose values it gets; none: far
   constexpr int far = std::numeric_limits<int>::max();
   for (const int v : vertices) {
+    pace();
     ring.clear();
     for (const HalfedgeHandle h : mesh.vih_range(VertexHandle(v))) ring.push_back(h);
     const auto n = static_cast<int>(ring.size());
@@ -208,24 +218,27 @@ std::string_view to_string(FitResult result) {
   return "";
 }
 
-FitResult check_faces(MeshView view, std::span<const VertexTriple> triangles) {
+FitResult check_faces(MeshView view, std::span<const VertexTriple> triangles, const Context* context) {
+  Pace pace(context);
   const auto& mesh = view.mesh;
   for (const VertexTriple& t : triangles) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return FitResult::degenerate;
     for (const VertexHandle v : t)
       if (!mesh.is_valid_handle(v) || mesh.status(v).deleted()) return FitResult::degenerate;
   }
-  const std::vector<Side> sides = sides_of(triangles);
+  const std::vector<Side> sides = sides_of(triangles, pace);
   for (std::size_t i = 0; i < sides.size(); ++i) {
+    pace();
     const Side& s = sides[i];
     if (i > 0 && sides[i - 1].same_edge(s) && sides[i - 1].forward == s.forward) return FitResult::edge_in_use;
     const HalfedgeHandle h =
         mesh.find_halfedge(VertexHandle(s.forward ? s.low : s.high), VertexHandle(s.forward ? s.high : s.low));
     if (h.is_valid() && mesh.face_handle(h).is_valid()) return FitResult::edge_in_use;
   }
-  const auto corners = corners_of(triangles);
+  const auto corners = corners_of(triangles, pace);
   std::vector<Wedge> wedges, before;
   for (std::size_t i = 0; i < corners.size();) {
+    pace();
     const VertexHandle v(corners[i].first);
     wedges.clear();
     if (!mesh.is_isolated(v))
@@ -241,22 +254,25 @@ FitResult check_faces(MeshView view, std::span<const VertexTriple> triangles) {
   return FitResult::fits;
 }
 
-FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added) {
-  const FitResult result = check_faces(view, triangles);
+FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added, const Context* context) {
+  Pace pace(context);
+  const FitResult result = check_faces(view, triangles, context);
   if (result != FitResult::fits || triangles.empty()) return result;
   auto& mesh = view.mesh;
 
-  const std::vector<Side> sides = sides_of(triangles);
+  const std::vector<Side> sides = sides_of(triangles, pace);
   std::vector<HalfedgeHandle> halfedge(sides.size());  // by 3 * triangle + corner
   std::size_t new_edges = 0;
   for (std::size_t i = 0; i < sides.size(); ++i) {
+    pace();
     if (i > 0 && sides[i - 1].same_edge(sides[i])) continue;
     if (!mesh.find_halfedge(VertexHandle(sides[i].low), VertexHandle(sides[i].high)).is_valid()) ++new_edges;
   }
 
   // The half-edges that each touched vertex has now, before anything is linked anew.
   std::vector<std::pair<int, HalfedgeHandle>> outgoing;
-  for (const auto& [v, wedge] : corners_of(triangles)) {
+  for (const auto& [v, wedge] : corners_of(triangles, pace)) {
+    pace();
     const VertexHandle vertex(v);
     if (!outgoing.empty() && outgoing.back().first == v) continue;
     const std::size_t first = outgoing.size();
@@ -267,6 +283,7 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
 
   if (ChangeRecorder* r = view.recorder)
     for (const auto& [v, h] : outgoing) {
+      pace();
       r->links(VertexHandle(v));
       if (!h.is_valid() || !mesh.is_boundary(mesh.edge_handle(h))) continue;
       r->links(mesh.edge_handle(h));
@@ -280,6 +297,7 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
   mesh.resize(mesh.n_vertices(), mesh.n_edges() + new_edges, mesh.n_faces() + triangles.size());
 
   for (std::size_t i = 0; i < sides.size(); ++i) {
+    pace();
     const Side& s = sides[i];
     HalfedgeHandle forward;
     if (i > 0 && sides[i - 1].same_edge(s)) {
@@ -300,6 +318,7 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
     halfedge[3 * s.triangle + s.corner] = s.forward ? forward : mesh.opposite_halfedge_handle(forward);
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
+    pace();
     const FaceHandle f(first_face + static_cast<int>(t));
     mesh.set_halfedge_handle(f, halfedge[3 * t]);
     for (int k = 0; k < 3; ++k) {
@@ -310,17 +329,21 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
     if (added) added->push_back(f);
   }
 
-  std::stable_sort(outgoing.begin(), outgoing.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(outgoing.begin(), outgoing.end(), [&](const auto& a, const auto& b) {
+    pace();
+    return a.first < b.first;
+  });
   std::vector<HalfedgeHandle> around;
   for (std::size_t i = 0; i < outgoing.size();) {
+    pace();
     const int v = outgoing[i].first;
     around.clear();
     for (; i < outgoing.size() && outgoing[i].first == v; ++i)
       if (outgoing[i].second.is_valid()) around.push_back(outgoing[i].second);
     link_boundary(mesh, VertexHandle(v), around);
   }
-  inherit_face_values(view, halfedge, first_face);
-  inherit_corner_values(mesh, halfedge, first_face);
+  inherit_face_values(view, halfedge, first_face, pace);
+  inherit_corner_values(mesh, halfedge, first_face, pace);
   return FitResult::fits;
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/mesh_view.hpp"
 
 namespace tri {
@@ -24,7 +25,9 @@ enum class FitResult {
 std::string_view to_string(FitResult result);
 
 /// Checks a batch without changing the mesh; what a vertex looks like is judged after the whole batch.
-FitResult check_faces(MeshView mesh, std::span<const VertexTriple> triangles);
+/// @param context  null: cannot be cancelled
+/// @throws Cancelled
+FitResult check_faces(MeshView mesh, std::span<const VertexTriple> triangles, const Context* context = nullptr);
 
 /// Adds all triangles of the batch, or none if they do not fit.
 ///
@@ -34,6 +37,9 @@ FitResult check_faces(MeshView mesh, std::span<const VertexTriple> triangles);
 /// corners the values of the nearest corner at the same vertex, counted in faces around it. What no face of the mesh is
 /// joined to, and new edges, get initial values. The view's policy may say otherwise of any property of faces.
 /// @param added  the new faces are appended in the order of the batch; may be null.
-FitResult add_faces(MeshView mesh, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added = nullptr);
+/// @param context  null: cannot be cancelled; else only for a mesh that is recorded and rolled back, for a large batch
+/// @throws Cancelled; the faces are then half linked
+FitResult add_faces(MeshView mesh, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added = nullptr,
+                    const Context* context = nullptr);
 
 }  // namespace tri

@@ -24,11 +24,26 @@ void ChangeRecorder::begin_delta() {
   delta_ = std::make_unique<DeltaSegment>(view_.mesh, view_.policy->types(), view_.position_property.idx(), temporary_, keep_values_);
 }
 
-ChangeSet ChangeRecorder::finish() {
-  delta_->finish();
+ChangeSet ChangeRecorder::finish(const Context* context) {
+  delta_->finish(context);
+  ChangeNotes notes;
+  notes.renumbered = !segments_.empty();  // only a change of everything divides a recording
+  if (segments_.empty() && !delta_->empty()) delta_->describe(notes, context);
   if (!delta_->empty()) segments_.push_back(std::move(delta_));
   delta_.reset();
-  return ChangeSet(view_.mesh, std::move(segments_));
+  return ChangeSet(view_.mesh, std::move(segments_), std::move(notes));
+}
+
+void ChangeRecorder::roll_back() {
+  if (whole_) {
+    whole_->roll_back();
+  } else if (delta_) {
+    delta_->roll_back();
+  }
+  for (auto it = segments_.rbegin(); it != segments_.rend(); ++it) (*it)->roll_back();
+  whole_.reset();
+  delta_.reset();
+  segments_.clear();
 }
 
 void ChangeRecorder::links(VertexHandle v) {
@@ -93,7 +108,7 @@ void ChangeRecorder::remove_property(ElementKind kind, int slot) {
 
 void ChangeRecorder::begin_whole() {
   if (parent_) parent_->begin_whole();
-  delta_->finish();
+  delta_->finish(nullptr);
   if (!delta_->empty()) segments_.push_back(std::move(delta_));
   delta_.reset();
   whole_ = std::make_unique<WholeSegment>(view_.mesh, temporary_, keep_values_);

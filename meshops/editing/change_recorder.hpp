@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/editing/change_segment.hpp"
 
 namespace tri {
@@ -38,7 +39,12 @@ class ChangeRecorder {
   MeshView view() const { return view_; }
 
   /// The change since the recording began; then it is over. The mesh must be as the operators left it.
-  ChangeSet finish();
+  /// @param context  null: cannot be cancelled
+  /// @throws Cancelled; `roll_back` is still possible
+  ChangeSet finish(const Context* context = nullptr);
+  /// Takes everything back since the recording began; then it is over. Costs less than `finish` and an undo.
+  /// @throws InvalidInput if a property was removed other than by `remove_property` of mesh_edit
+  void roll_back();
 
   // What mesh_edit announces. Whoever writes to a mesh by other means must announce it too, before it happens; elements
   // that are new since the recording began need not be, but may.

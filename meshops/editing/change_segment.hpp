@@ -47,8 +47,9 @@ class ChangeSegment {
   virtual std::string mismatch(OpenMesh::TriConnectivity& mesh) const = 0;
   /// True if nothing was changed in this stretch.
   virtual bool empty() const = 0;
-  /// Appends what changed; called once, before any undo.
-  virtual void describe(OpenMesh::TriConnectivity& mesh, ChangeNotes& notes) const = 0;
+  /// Takes the change back for good, faster than `undo`; whether it is finished or not. Afterwards this is of no use.
+  /// @throws InvalidInput if a property was removed without notice; the mesh is then untouched
+  virtual void roll_back() = 0;
 };
 
 }  // namespace tri

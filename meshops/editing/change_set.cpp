@@ -18,14 +18,8 @@ ChangeNotes ChangeNotes::inverse() const {
   return result;
 }
 
-ChangeSet::ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments)
-    : mesh_(&mesh), segments_(std::move(segments)) {
-  if (segments_.size() == 1) {
-    segments_.front()->describe(mesh, notes_);
-  } else if (!segments_.empty()) {
-    notes_.renumbered = true;  // only a change of everything divides a recording
-  }
-}
+ChangeSet::ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments, ChangeNotes notes)
+    : mesh_(&mesh), segments_(std::move(segments)), notes_(std::move(notes)) {}
 
 void ChangeSet::check(OpenMesh::TriConnectivity& mesh, bool undo) const {
   const char* const verb = undo ? "undo" : "redo";

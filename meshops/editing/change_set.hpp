@@ -35,8 +35,8 @@ class ChangeSet {
  public:
   /// Of no mesh; it changed nothing.
   ChangeSet() = default;
-  /// Made by ChangeRecorder::finish. @param segments  in the order in which they were done
-  ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments);
+  /// Made by ChangeRecorder::finish. @param segments  in the order in which they were done @param notes  what they changed
+  ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments, ChangeNotes notes);
   /// Leaves the other one of no use: it changed nothing.
   ChangeSet(ChangeSet&&) = default;
   /// What it kept before is forgotten, and can no longer be undone.
@@ -89,8 +89,12 @@ void request_status(Kernel& mesh) {
 /// @param function  is called with the MeshView to work on; may return a Report or several, which the change set keeps
 /// @throws what the function throws, Cancelled among it; the mesh is then as it was, bit for bit (with `notes_only`: as the
 ///   function left it). InvalidInput if the mesh of a view has no status attributes.
+///
+/// After a function that changed much, sorting out what it changed takes a while as well (a quarter of a second for two million
+/// faces); with a context that can be cancelled too.
+/// @param context  that the function is run with; null: only the function itself can be cancelled
 template <std::invocable<MeshView> Function>
-ChangeSet record(MeshView mesh, const Function& function, Recording recording = Recording::undoable);
+ChangeSet record(MeshView mesh, const Function& function, Recording recording = Recording::undoable, const Context* context = nullptr);
 
 /// The same on any OpenMesh triangle kernel, for which it opens a view. Status attributes that the kernel does not have are
 /// requested and stay. Positions other than Vec3 are compared with those of the view, which costs the whole mesh.
@@ -98,13 +102,17 @@ ChangeSet record(MeshView mesh, const Function& function, Recording recording = 
 template <class Kernel, std::invocable<MeshView> Function>
   requires(!std::same_as<Kernel, MeshView>)
 ChangeSet record(Kernel& mesh, const Function& function, Recording recording = Recording::undoable,
-                 const PropertyPolicy& policy = PropertyPolicy::standard());
+                 const PropertyPolicy& policy = PropertyPolicy::standard(), const Context* context = nullptr);
 
 /// Runs an operator and records what it changes: `record(mesh, fill_holes, {.max_edges = 50}, context)`.
 template <class Mesh, class Options>
 ChangeSet record(Mesh&& mesh, Report (*op)(MeshView, const Options&, Context&), const std::type_identity_t<Options>& options,
                  Context& context) {
-  return record(mesh, [&](MeshView view) { return op(view, options, context); });
+  const auto run = [&](MeshView view) { return op(view, options, context); };
+  if constexpr (requires { mesh.mesh; })
+    return record(mesh, run, Recording::undoable, &context);
+  else
+    return record(mesh, run, Recording::undoable, PropertyPolicy::standard(), &context);
 }
 
 /// Runs a function that works on a mesh and takes it back: what it would report and touch. Costs the function's own time
@@ -145,8 +153,8 @@ Reports run(const Function& function, MeshView view) {
   return reports;
 }
 
-inline ChangeSet finished(ChangeRecorder& recorder, Reports reports) {
-  ChangeSet change = recorder.finish();
+inline ChangeSet finished(ChangeRecorder& recorder, Reports reports, const Context* context) {
+  ChangeSet change = recorder.finish(context);
   for (Report& r : reports) change.add_report(std::move(r));
   return change;
 }
@@ -154,34 +162,36 @@ inline ChangeSet finished(ChangeRecorder& recorder, Reports reports) {
 }  // namespace change_set_detail
 
 template <std::invocable<MeshView> Function>
-ChangeSet record(MeshView mesh, const Function& function, Recording recording) {
+ChangeSet record(MeshView mesh, const Function& function, Recording recording, const Context* context) {
   ChangeRecorder recorder(mesh, recording);
   try {
     auto reports = change_set_detail::run(function, recorder.view());
-    return change_set_detail::finished(recorder, std::move(reports));
+    return change_set_detail::finished(recorder, std::move(reports), context);
   } catch (...) {
-    if (recording == Recording::undoable) recorder.finish().undo(mesh.mesh);
+    if (recording == Recording::undoable) recorder.roll_back();
     throw;
   }
 }
 
 template <class Kernel, std::invocable<MeshView> Function>
   requires(!std::same_as<Kernel, MeshView>)
-ChangeSet record(Kernel& mesh, const Function& function, Recording recording, const PropertyPolicy& policy) {
+ChangeSet record(Kernel& mesh, const Function& function, Recording recording, const PropertyPolicy& policy, const Context* context) {
   static_assert(is_triangle_kernel<Kernel>, "tri records changes of OpenMesh triangle meshes (TriMesh_ArrayKernelT)");
   request_status(mesh);
   std::unique_ptr<ChangeRecorder> recorder;
-  change_set_detail::Reports reports;
   try {
-    MeshLease<Kernel> lease(mesh, policy);
-    // Made while the lease is open, finished when the lease has written the positions back.
-    recorder = std::make_unique<ChangeRecorder>(lease.view(), recording, !MeshLease<Kernel>::in_place);
-    reports = change_set_detail::run(function, recorder->view());
+    change_set_detail::Reports reports;
+    {
+      MeshLease<Kernel> lease(mesh, policy);
+      // Made while the lease is open, finished when the lease has written the positions back.
+      recorder = std::make_unique<ChangeRecorder>(lease.view(), recording, !MeshLease<Kernel>::in_place);
+      reports = change_set_detail::run(function, recorder->view());
+    }
+    return change_set_detail::finished(*recorder, std::move(reports), context);
   } catch (...) {
-    if (recorder && recording == Recording::undoable) recorder->finish().undo(mesh);
+    if (recorder && recording == Recording::undoable) recorder->roll_back();
     throw;
   }
-  return change_set_detail::finished(*recorder, std::move(reports));
 }
 
 }  // namespace tri

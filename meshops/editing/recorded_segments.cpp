@@ -3,52 +3,36 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
+#include <functional>
+
+#include "meshops/editing/segment_records.hpp"
+#include "meshops/error.hpp"
 
 namespace tri {
+
+using namespace segment_records;
+
 namespace {
 
 using Connectivity = OpenMesh::TriConnectivity;
 
 std::size_t number(ElementKind kind) { return static_cast<std::size_t>(kind); }
 
-/// The handles in a record, as numbers.
-template <class Record>
-auto raw(const Record& record) {
-  return std::bit_cast<std::array<int, sizeof(Record) / sizeof(int)>>(record);
-}
-
-void mix(std::uint64_t& sum, std::uint64_t value) {
-  sum = (sum ^ value) * 0x9e3779b97f4a7c15u;
-  sum ^= sum >> 32;
-}
-template <class Record>
-void mix_record(std::uint64_t& sum, const Record& record) {
-  for (const int i : raw(record)) mix(sum, static_cast<std::uint32_t>(i));
-}
-
 Connectivity::StatusInfo status_of(const OpenMesh::BaseProperty& property, std::size_t index) {
   return static_cast<const OpenMesh::PropertyT<Connectivity::StatusInfo>&>(property)[static_cast<int>(index)];
 }
 
-void sort_unique(std::vector<std::uint32_t>& list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
+constexpr std::size_t block_pages = 32;  // of a touched set
+
+template <class Visit>
+void mix_touched(std::uint64_t& sum, const TouchedSet& touched, const Context* context, const Visit& visit) {
+  mix_blocks(sum, (touched.pages() + block_pages - 1) / block_pages, context, [&](std::size_t block, std::uint64_t& part) {
+    touched.for_pages(block * block_pages, (block + 1) * block_pages, [&](std::size_t i) { visit(part, i); });
+  });
 }
 
-auto& record_of(Connectivity& mesh, OpenMesh::ArrayItems::Vertex*, std::size_t i) { return mesh.vertex(VertexHandle(static_cast<int>(i))); }
-auto& record_of(Connectivity& mesh, OpenMesh::ArrayItems::Edge*, std::size_t i) { return mesh.edge(EdgeHandle(static_cast<int>(i))); }
-auto& record_of(Connectivity& mesh, OpenMesh::ArrayItems::Face*, std::size_t i) { return mesh.face(FaceHandle(static_cast<int>(i))); }
-template <class Record>
-Record& record_at(Connectivity& mesh, std::size_t i) {
-  return record_of(mesh, static_cast<Record*>(nullptr), i);
-}
-
-void copy_links(Connectivity& mesh, const ElementCounts& counts, std::vector<OpenMesh::ArrayItems::Vertex>& vertices,
-                std::vector<OpenMesh::ArrayItems::Edge>& edges, std::vector<OpenMesh::ArrayItems::Face>& faces) {
-  for (std::size_t i = 0; i < counts.vertices; ++i) vertices.push_back(record_at<OpenMesh::ArrayItems::Vertex>(mesh, i));
-  for (std::size_t i = 0; i < counts.edges; ++i) edges.push_back(record_at<OpenMesh::ArrayItems::Edge>(mesh, i));
-  for (std::size_t i = 0; i < counts.faces; ++i) faces.push_back(record_at<OpenMesh::ArrayItems::Face>(mesh, i));
+void append(std::vector<std::uint32_t>& list, const TouchedSet& set) {
+  set.for_each([&](std::size_t i) { list.push_back(static_cast<std::uint32_t>(i)); });
 }
 
 }  // namespace
@@ -154,8 +138,10 @@ void DeltaSegment::remove_property(ElementKind kind, int slot) {
   }
 }
 
-void DeltaSegment::finish() {
+void DeltaSegment::look_at_properties() {
   after_ = ElementCounts::of(mesh_);
+  added_.clear();
+  lost_.clear();
   for (const ElementKind kind : element_kinds) {
     const auto slots = property_slots(mesh_, kind);
     for (int slot = 0; slot < static_cast<int>(slots.size()); ++slot) {
@@ -171,7 +157,16 @@ void DeltaSegment::finish() {
       }
     }
   }
-  left_ = fingerprint();
+}
+
+void DeltaSegment::finish(const Context* context) {
+  look_at_properties();
+  left_ = fingerprint(context);
+}
+
+std::string DeltaSegment::loss() const {
+  if (lost_.empty()) return {};
+  return fmt::format("property '{}' was removed while it was recorded, other than by remove_property of mesh_edit", lost_);
 }
 
 template <class Each>
@@ -183,16 +178,38 @@ void DeltaSegment::for_each_links(const Each& each) {
 
 /// Links and values of the touched elements that were there at the begin, for those that are kept.
 void DeltaSegment::exchange_touched() {
+  std::vector<std::function<void()>> tasks;
   for_each_links([&]<class Record>(Links<Record>& table, std::size_t, std::size_t) {
-    for (std::size_t i = 0; i < table.indices.size(); ++i)
-      std::swap(record_at<Record>(mesh_, table.indices[i]), table.records[i]);
+    if (!table.indices.empty()) tasks.push_back([this, &table] {
+      for (std::size_t i = 0; i < table.indices.size(); ++i)
+        std::swap(record_at<Record>(mesh_, table.indices[i]), table.records[i]);
+    });
   });
+  std::size_t most = 0;
   for (auto& columns : columns_)
     for (Column& c : columns) {
       if (!c.kept) continue;
-      OpenMesh::BaseProperty& property = object(c);
-      for (std::size_t i = 0; i < c.indices.size(); ++i) c.type->swap(property, c.indices[i], *c.kept, i);
+      most = std::max(most, c.indices.size());
+      tasks.push_back([this, &c] {
+        OpenMesh::BaseProperty& property = object(c);
+        for (std::size_t i = 0; i < c.indices.size(); ++i) c.type->swap(property, c.indices[i], *c.kept, i);
+      });
     }
+  if (std::max({most, vertices_.indices.size(), edges_.indices.size(), faces_.indices.size()}) > 10000) {
+    run_all(tasks, nullptr);
+  } else {
+    for (const auto& task : tasks) task();
+  }
+}
+
+/// Properties as a whole, for those that are kept.
+void DeltaSegment::exchange_wholes() {
+  for (auto& columns : columns_)
+    for (Column& c : columns)
+      if (c.whole && !c.removed) {
+        auto& place = property_slots(mesh_, c.kind)[static_cast<std::size_t>(c.slot)];
+        c.whole.reset(std::exchange(place, c.whole.release()));
+      }
 }
 
 void DeltaSegment::take_tails() {
@@ -239,12 +256,7 @@ void DeltaSegment::undo(Connectivity& mesh) {
     auto& place = property_slots(mesh_, d.kind)[static_cast<std::size_t>(d.slot)];
     d.object.reset(std::exchange(place, nullptr));
   }
-  for (auto& columns : columns_)
-    for (Column& c : columns)
-      if (c.whole && !c.removed) {
-        auto& place = property_slots(mesh_, c.kind)[static_cast<std::size_t>(c.slot)];
-        c.whole.reset(std::exchange(place, c.whole.release()));
-      }
+  exchange_wholes();
   mesh_.resize(before_.vertices, before_.edges, before_.faces);
   for (Detached& d : removed_) {
     d.object->resize(before_.of(d.kind));
@@ -252,7 +264,20 @@ void DeltaSegment::undo(Connectivity& mesh) {
   }
   exchange_touched();
   undone_ = true;
-  left_ = fingerprint();
+  left_ = fingerprint(nullptr);
+}
+
+void DeltaSegment::roll_back() {
+  look_at_properties();
+  if (!lost_.empty()) throw InvalidInput("cannot undo: " + loss());
+  for (const Detached& d : added_) delete std::exchange(property_slots(mesh_, d.kind)[static_cast<std::size_t>(d.slot)], nullptr);
+  exchange_wholes();
+  mesh_.resize(before_.vertices, before_.edges, before_.faces);
+  for (Detached& d : removed_) {
+    d.object->resize(before_.of(d.kind));
+    property_slots(mesh_, d.kind)[static_cast<std::size_t>(d.slot)] = d.object.release();
+  }
+  exchange_touched();
 }
 
 void DeltaSegment::redo(Connectivity& mesh) {
@@ -273,18 +298,19 @@ void DeltaSegment::redo(Connectivity& mesh) {
   put_tails();
   for (Detached& d : added_) property_slots(mesh_, d.kind)[static_cast<std::size_t>(d.slot)] = d.object.release();
   undone_ = false;
-  left_ = fingerprint();
+  left_ = fingerprint(nullptr);
 }
 
 /// Of counts, and of the links, positions and deletions of what was touched or added. Values and selection are left out: an
 /// editor may colour, select and update normals in between.
-std::uint64_t DeltaSegment::fingerprint() const {
+std::uint64_t DeltaSegment::fingerprint(const Context* context) const {
   const ElementCounts now = ElementCounts::of(mesh_);
   std::uint64_t sum = 0;
   for (const std::size_t n : {now.vertices, now.edges, now.faces}) mix(sum, n);
   const auto links = [&]<class Record>(const Links<Record>& table, std::size_t count) {
-    for (const std::uint32_t i : table.indices) mix_record(sum, record_at<Record>(mesh_, i));
-    for (std::size_t i = table.limit; i < count; ++i) mix_record(sum, record_at<Record>(mesh_, i));
+    const auto visit = [&](std::uint64_t& part, std::size_t i) { mix_record(part, record_at<Record>(mesh_, i)); };
+    mix_touched(sum, table.touched, context, visit);
+    mix_range(sum, table.limit, count, context, visit);
   };
   links(vertices_, now.vertices);
   links(edges_, now.edges);
@@ -296,8 +322,9 @@ std::uint64_t DeltaSegment::fingerprint() const {
       if (static_cast<std::size_t>(c.slot) >= slots.size() || !slots[static_cast<std::size_t>(c.slot)]) continue;
       const OpenMesh::BaseProperty& property = *slots[static_cast<std::size_t>(c.slot)];
       if (typeid(property) != c.type_id) continue;
-      for (const std::uint32_t i : c.indices)
-        mix(sum, c.status ? static_cast<std::uint64_t>(status_of(property, i).deleted()) : c.type->hash(property, i));
+      mix_touched(sum, c.touched, context, [&](std::uint64_t& part, std::size_t i) {
+        mix(part, c.status ? static_cast<std::uint64_t>(status_of(property, i).deleted()) : c.type->hash(property, i));
+      });
     }
   return sum;
 }
@@ -322,8 +349,7 @@ std::string DeltaSegment::missing_property() const {
 std::string DeltaSegment::mismatch(Connectivity& mesh) const {
   if (&mesh != &mesh_) return "it was recorded on another mesh";
   if (!keep_values_) return "it was recorded for its notes only, without values";
-  if (!lost_.empty())
-    return fmt::format("property '{}' was removed while it was recorded, other than by remove_property of mesh_edit", lost_);
+  if (!lost_.empty()) return loss();
   const ElementCounts now = ElementCounts::of(mesh), expected = undone_ ? before_ : after_;
   if (now != expected)
     return fmt::format("the mesh has {} vertices, {} edges and {} faces (deleted ones included), and was left with {}, {} and {}",
@@ -338,7 +364,7 @@ std::string DeltaSegment::mismatch(Connectivity& mesh) const {
     if (slot < slots.size() && slots[slot])
       return fmt::format("property '{}' was added since, where '{}' belongs", slots[slot]->name(), d.name);
   }
-  if (fingerprint() != left_) return "elements that it touched were changed since";
+  if (fingerprint(nullptr) != left_) return "elements that it touched were changed since";
   return {};
 }
 
@@ -351,132 +377,94 @@ bool DeltaSegment::empty() const {
   return true;
 }
 
-void DeltaSegment::describe(Connectivity& mesh, ChangeNotes& notes) const {
-  const auto list = [&](ElementKind kind, const std::vector<std::uint32_t>& relinked, ElementNotes& out, auto handle) {
+void DeltaSegment::describe(ChangeNotes& notes, const Context* context) const {
+  Connectivity& mesh = mesh_;
+  // What has values, beside the elements whose own values were set: edges and faces by their half-edges.
+  TouchedSet valued_edges, valued_faces, other_ends, moved;
+  const auto list = [&](ElementKind kind, const TouchedSet& relinked, TouchedSet& revalued, ElementNotes& out, auto handle) {
     using Handle = decltype(handle);
     const auto alive = [&](std::size_t i) { return !mesh.status(Handle(static_cast<int>(i))).deleted(); };
-    TouchedSet came;
+    TouchedSet came, went;
     for (const Column& c : columns_[number(kind)]) {
       if (c.status && c.kept)
         for (std::size_t k = 0; k < c.indices.size(); ++k) {
           const bool was = !status_of(*c.kept, k).deleted(), is = alive(c.indices[k]);
-          if (was && !is) out.removed.push_back(c.indices[k]);
-          if (!was && is) {
-            out.added.push_back(c.indices[k]);
-            came.insert(c.indices[k]);
-          }
+          if (was != is) (is ? came : went).insert(c.indices[k]);
         }
     }
+    append(out.removed, went);
+    append(out.added, came);
     for (std::size_t i = before_.of(kind); i < after_.of(kind); ++i)
       if (alive(i)) out.added.push_back(static_cast<std::uint32_t>(i));
-    const auto stayed = [&](std::uint32_t i) { return alive(i) && !came.contains(i); };
-    for (const std::uint32_t i : relinked)
-      if (stayed(i)) out.relinked.push_back(i);
+    const auto append_stayed = [&](std::vector<std::uint32_t>& to, const TouchedSet& set) {
+      if (context) context->checkpoint();
+      set.for_each([&](std::size_t i) {
+        if (alive(i) && !came.contains(i)) to.push_back(static_cast<std::uint32_t>(i));
+      });
+    };
+    append_stayed(out.relinked, relinked);
     for (const Column& c : columns_[number(kind)])
-      if (!c.point)
-        for (const std::uint32_t i : c.indices)
-          if (stayed(i)) out.revalued.push_back(i);
+      if (!c.point) c.touched.for_each([&](std::size_t i) { if (!came.contains(i)) revalued.insert(i); });
+    if (context) context->checkpoint();
+    revalued.for_each([&](std::size_t i) { if (alive(i)) out.revalued.push_back(static_cast<std::uint32_t>(i)); });
   };
-  list(ElementKind::vertex, vertices_.indices, notes.vertices, VertexHandle());
-  std::vector<std::uint32_t> other_ends;
-  for (std::size_t k = 0; k < edges_.indices.size(); ++k) {
-    const auto was = raw(edges_.records[k]), is = raw(record_at<Edge>(mesh, edges_.indices[k]));
-    constexpr std::size_t to = 1, half = 4;  // face, vertex, next and previous of two half-edges
-    if (was[to] != is[to] || was[half + to] != is[half + to]) other_ends.push_back(edges_.indices[k]);
-  }
-  list(ElementKind::edge, other_ends, notes.edges, EdgeHandle());
-  list(ElementKind::face, faces_.indices, notes.faces, FaceHandle());
-  for (const Column& c : columns_[number(ElementKind::halfedge)])
-    for (const std::uint32_t i : c.indices) {
-      const HalfedgeHandle h(static_cast<int>(i));
-      const FaceHandle f = mesh.face_handle(h);
-      const EdgeHandle e = mesh.edge_handle(h);
-      if (c.status || mesh.status(e).deleted()) continue;
-      if (!f.is_valid())
-        notes.edges.revalued.push_back(static_cast<std::uint32_t>(e.idx()));
-      else if (static_cast<std::size_t>(f.idx()) < before_.faces)
-        notes.faces.revalued.push_back(static_cast<std::uint32_t>(f.idx()));
+  const auto look_at_corners = [&] {
+    for (const Column& c : columns_[number(ElementKind::halfedge)]) {
+      if (c.status) continue;
+      if (context) context->checkpoint();
+      c.touched.for_each([&](std::size_t i) {
+        const HalfedgeHandle h(static_cast<int>(i));
+        const FaceHandle f = mesh.face_handle(h);
+        const EdgeHandle e = mesh.edge_handle(h);
+        if (mesh.status(e).deleted()) return;
+        if (!f.is_valid())
+          valued_edges.insert(static_cast<std::size_t>(e.idx()));
+        else if (static_cast<std::size_t>(f.idx()) < before_.faces)
+          valued_faces.insert(static_cast<std::size_t>(f.idx()));
+      });
     }
-  for (const Column& c : columns_[number(ElementKind::vertex)]) {
-    if (!c.point || !c.kept) continue;
-    const OpenMesh::BaseProperty& property = object(c);
-    for (std::size_t k = 0; k < c.indices.size(); ++k)
-      if (!mesh.status(VertexHandle(static_cast<int>(c.indices[k]))).deleted() &&
-          c.type->hash(property, c.indices[k]) != c.type->hash(*c.kept, k))
-        notes.vertices_moved.push_back(c.indices[k]);
+  };
+  const auto look_at_ends = [&] {
+    for (std::size_t k = 0; k < edges_.indices.size(); ++k) {
+      if (context && k % block_size == 0) context->checkpoint();
+      const auto was = raw(edges_.records[k]), is = raw(record_at<Edge>(mesh, edges_.indices[k]));
+      constexpr std::size_t to = 1, half = 4;  // face, vertex, next and previous of two half-edges
+      if (was[to] != is[to] || was[half + to] != is[half + to]) other_ends.insert(edges_.indices[k]);
+    }
+  };
+  const auto look_at_points = [&] {
+    for (const Column& c : columns_[number(ElementKind::vertex)]) {
+      if (!c.point || !c.kept) continue;
+      const OpenMesh::BaseProperty& property = object(c);
+      for (std::size_t k = 0; k < c.indices.size(); ++k) {
+        if (context && k % block_size == 0) context->checkpoint();
+        if (!mesh.status(VertexHandle(static_cast<int>(c.indices[k]))).deleted() &&
+            c.type->hash(property, c.indices[k]) != c.type->hash(*c.kept, k))
+          moved.insert(c.indices[k]);
+      }
+    }
+    append(notes.vertices_moved, moved);
+  };
+  look_at_corners();
+  TouchedSet valued_vertices;
+  const std::vector<std::function<void()>> tasks{
+      [&] { look_at_points(); },
+      [&] { list(ElementKind::vertex, vertices_.touched, valued_vertices, notes.vertices, VertexHandle()); },
+      [&] {
+        look_at_ends();
+        list(ElementKind::edge, other_ends, valued_edges, notes.edges, EdgeHandle());
+      },
+      [&] { list(ElementKind::face, faces_.touched, valued_faces, notes.faces, FaceHandle()); }};
+  if (std::max({vertices_.indices.size(), edges_.indices.size(), faces_.indices.size()}) > 10000) {
+    run_all(tasks, context);
+  } else {
+    for (const auto& task : tasks) task();
   }
-  for (ElementNotes* n : {&notes.vertices, &notes.edges, &notes.faces})
-    for (auto* l : {&n->added, &n->removed, &n->relinked, &n->revalued}) sort_unique(*l);
-  sort_unique(notes.vertices_moved);
   for (const Detached& d : added_) notes.properties_added.push_back(d.name);
   for (const Detached& d : removed_) notes.properties_removed.push_back(d.name);
   for (const auto& columns : columns_)
     for (const Column& c : columns)
       if (c.rewritten && !c.removed) notes.properties_rewritten.push_back(c.name);
 }
-
-WholeSegment::WholeSegment(Connectivity& mesh, int temporary, bool keep)
-    : mesh_(mesh), temporary_(temporary), keep_(keep), other_(ElementCounts::of(mesh)) {
-  if (!keep) return;
-  copy_links(mesh, other_, vertices_, edges_, faces_);
-  for (const ElementKind kind : element_kinds) {
-    const auto slots = property_slots(mesh, kind);
-    for (int slot = 0; slot < static_cast<int>(slots.size()); ++slot) {
-      const OpenMesh::BaseProperty* property = slots[static_cast<std::size_t>(slot)];
-      if (!property || (kind == ElementKind::vertex && slot == temporary_)) continue;
-      properties_.push_back({kind, slot, property->name(), std::unique_ptr<OpenMesh::BaseProperty>(property->clone())});
-    }
-  }
-}
-
-void WholeSegment::finish() { left_ = fingerprint(); }
-
-void WholeSegment::undo(Connectivity&) { exchange(); }
-
-void WholeSegment::redo(Connectivity&) { exchange(); }
-
-void WholeSegment::exchange() {
-  const ElementCounts now = ElementCounts::of(mesh_);
-  decltype(vertices_) vertices;
-  decltype(edges_) edges;
-  decltype(faces_) faces;
-  copy_links(mesh_, now, vertices, edges, faces);
-  for (Property& p : properties_) {
-    auto& place = property_slots(mesh_, p.kind)[static_cast<std::size_t>(p.slot)];
-    p.object.reset(std::exchange(place, p.object.release()));
-  }
-  mesh_.resize(other_.vertices, other_.edges, other_.faces);
-  for (std::size_t i = 0; i < vertices_.size(); ++i) record_at<OpenMesh::ArrayItems::Vertex>(mesh_, i) = vertices_[i];
-  for (std::size_t i = 0; i < edges_.size(); ++i) record_at<OpenMesh::ArrayItems::Edge>(mesh_, i) = edges_[i];
-  for (std::size_t i = 0; i < faces_.size(); ++i) record_at<OpenMesh::ArrayItems::Face>(mesh_, i) = faces_[i];
-  vertices_.swap(vertices);
-  edges_.swap(edges);
-  faces_.swap(faces);
-  other_ = now;
-  left_ = fingerprint();
-}
-
-std::uint64_t WholeSegment::fingerprint() const {
-  const ElementCounts now = ElementCounts::of(mesh_);
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < now.vertices; ++i) mix_record(sum, record_at<OpenMesh::ArrayItems::Vertex>(mesh_, i));
-  for (std::size_t i = 0; i < now.edges; ++i) mix_record(sum, record_at<OpenMesh::ArrayItems::Edge>(mesh_, i));
-  for (std::size_t i = 0; i < now.faces; ++i) mix_record(sum, record_at<OpenMesh::ArrayItems::Face>(mesh_, i));
-  return sum;
-}
-
-std::string WholeSegment::mismatch(Connectivity& mesh) const {
-  if (&mesh != &mesh_) return "it was recorded on another mesh";
-  if (!keep_) return "it was recorded for its notes only, without values";
-  for (const Property& p : properties_) {
-    const auto slots = property_slots(mesh_, p.kind);
-    const auto slot = static_cast<std::size_t>(p.slot);
-    if (slot >= slots.size() || !slots[slot] || slots[slot]->name() != p.name)
-      return fmt::format("property '{}' was removed since", p.name);
-  }
-  return fingerprint() == left_ ? std::string() : "the mesh was changed since";
-}
-
-void WholeSegment::describe(Connectivity&, ChangeNotes& notes) const { notes.renumbered = true; }
 
 }  // namespace tri

@@ -7,6 +7,7 @@
 #include <typeindex>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/editing/change_segment.hpp"
 #include "meshops/editing/touched_set.hpp"
 
@@ -44,14 +45,16 @@ class DeltaSegment final : public ChangeSegment {
   /// Takes the property out of the mesh and keeps it, if it was there at the begin.
   void remove_property(ElementKind kind, int slot);
 
-  /// The change is complete.
-  void finish();
+  /// The change is complete. @param context  null: cannot be cancelled @throws Cancelled
+  void finish(const Context* context);
+  /// Appends what changed; before any undo. @param context  as above @throws Cancelled
+  void describe(ChangeNotes& notes, const Context* context) const;
 
   void undo(OpenMesh::TriConnectivity& mesh) override;
   void redo(OpenMesh::TriConnectivity& mesh) override;
   std::string mismatch(OpenMesh::TriConnectivity& mesh) const override;
   bool empty() const override;
-  void describe(OpenMesh::TriConnectivity& mesh, ChangeNotes& notes) const override;
+  void roll_back() override;
 
  private:
   template <class Record>
@@ -102,9 +105,12 @@ class DeltaSegment final : public ChangeSegment {
   template <class Each>
   void for_each_links(const Each& each);
   void exchange_touched();
+  void exchange_wholes();
   void take_tails();
   void put_tails();
-  std::uint64_t fingerprint() const;
+  void look_at_properties();
+  std::string loss() const;
+  std::uint64_t fingerprint(const Context* context) const;
   std::string missing_property() const;
 
   OpenMesh::TriConnectivity& mesh_;
@@ -132,7 +138,7 @@ class WholeSegment final : public ChangeSegment {
   void redo(OpenMesh::TriConnectivity& mesh) override;
   std::string mismatch(OpenMesh::TriConnectivity& mesh) const override;
   bool empty() const override { return false; }
-  void describe(OpenMesh::TriConnectivity& mesh, ChangeNotes& notes) const override;
+  void roll_back() override { exchange(); }
 
  private:
   struct Property {

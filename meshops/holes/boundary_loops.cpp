@@ -1,5 +1,7 @@
 #include "meshops/holes/boundary_loops.hpp"
 
+#include "meshops/pace.hpp"
+
 namespace tri {
 namespace {
 
@@ -16,11 +18,12 @@ Vec3 vector_area(const std::vector<Vec3>& ring) {
 
 }  // namespace
 
-std::vector<std::vector<HalfedgeHandle>> boundary_cycles(MeshView view) {
+std::vector<std::vector<HalfedgeHandle>> boundary_cycles(MeshView view, const Context* context) {
+  Pace pace(context);
   const auto& mesh = view.mesh;
   std::vector<std::vector<HalfedgeHandle>> cycles;
   std::vector<char> seen(mesh.n_halfedges(), 0);
-  for (int i = 0; i < static_cast<int>(mesh.n_halfedges()); ++i) {
+  for (int i = 0; i < static_cast<int>(mesh.n_halfedges()); ++i, pace()) {
     const HalfedgeHandle start(i);
     if (seen[i] || !is_live_boundary(mesh, start)) continue;
     auto& cycle = cycles.emplace_back();
@@ -34,16 +37,18 @@ std::vector<std::vector<HalfedgeHandle>> boundary_cycles(MeshView view) {
   return cycles;
 }
 
-std::vector<int> face_components(MeshView view) {
+std::vector<int> face_components(MeshView view, const Context* context) {
+  Pace pace(context);
   const auto& mesh = view.mesh;
   std::vector<int> component(mesh.n_faces(), -1);
   std::vector<FaceHandle> stack;
   int count = 0;
-  for (int i = 0; i < static_cast<int>(mesh.n_faces()); ++i) {
+  for (int i = 0; i < static_cast<int>(mesh.n_faces()); ++i, pace()) {
     if (component[i] >= 0 || mesh.status(FaceHandle(i)).deleted()) continue;
     component[i] = count;
     stack.push_back(FaceHandle(i));
     while (!stack.empty()) {
+      pace();
       const FaceHandle f = stack.back();
       stack.pop_back();
       HalfedgeHandle h = mesh.halfedge_handle(f);
@@ -59,8 +64,8 @@ std::vector<int> face_components(MeshView view) {
   return component;
 }
 
-std::vector<std::size_t> component_sizes(MeshView view) {
-  const std::vector<int> component = face_components(view);
+std::vector<std::size_t> component_sizes(MeshView view, const Context* context) {
+  const std::vector<int> component = face_components(view, context);
   std::vector<std::size_t> count(component.size() + 1, 0), result(component.size(), 0);
   for (const int c : component)
     if (c >= 0) ++count[c];
@@ -69,18 +74,19 @@ std::vector<std::size_t> component_sizes(MeshView view) {
   return result;
 }
 
-std::vector<BoundaryLoop> boundary_loops(MeshView view) {
+std::vector<BoundaryLoop> boundary_loops(MeshView view, const Context* context) {
+  Pace pace(context);
   const auto& mesh = view.mesh;
   std::vector<BoundaryLoop> loops;
-  auto cycles = boundary_cycles(view);
+  auto cycles = boundary_cycles(view, context);
   if (cycles.empty()) return loops;
 
-  const std::vector<int> component = face_components(view);
+  const std::vector<int> component = face_components(view, context);
   int components = 0;
   for (const int c : component) components = std::max(components, c + 1);
   std::vector<Vec3> normal(components, Vec3(0, 0, 0));
   std::vector<double> area(components, 0);
-  for (int i = 0; i < static_cast<int>(mesh.n_faces()); ++i) {
+  for (int i = 0; i < static_cast<int>(mesh.n_faces()); ++i, pace()) {
     if (component[i] < 0) continue;
     const HalfedgeHandle h = mesh.halfedge_handle(FaceHandle(i));
     const Vec3& a = view.point(mesh.from_vertex_handle(h));

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/mesh_view.hpp"
 
 namespace tri {
@@ -21,7 +22,7 @@ struct BoundaryLoop {
 };
 
 /// The half-edges of every boundary loop, as `BoundaryLoop::halfedges`, in order of their first half-edge. Linear time.
-std::vector<std::vector<HalfedgeHandle>> boundary_cycles(MeshView mesh);
+std::vector<std::vector<HalfedgeHandle>> boundary_cycles(MeshView mesh, const Context* context = nullptr);
 
 /// Every boundary loop with what it is in its component.
 ///
@@ -30,12 +31,12 @@ std::vector<std::vector<HalfedgeHandle>> boundary_cycles(MeshView mesh);
 /// component's own vector area, the sum of its face normals times areas. A nested loop (a hole) reaches against it, or
 /// less far. Where the component's vector area is below 1e-6 of its area (a tube, open at both ends) the longest loop
 /// is the outer one. Ties go to the first loop. Deleted elements are passed over. Linear time.
-std::vector<BoundaryLoop> boundary_loops(MeshView mesh);
+std::vector<BoundaryLoop> boundary_loops(MeshView mesh, const Context* context = nullptr);
 
 /// Component of every face, 0-based, joined by edges, numbered by lowest face index; -1 for a deleted face.
-std::vector<int> face_components(MeshView mesh);
+std::vector<int> face_components(MeshView mesh, const Context* context = nullptr);
 
 /// Number of faces in the component of every face, by face index; 0 for a deleted face.
-std::vector<std::size_t> component_sizes(MeshView mesh);
+std::vector<std::size_t> component_sizes(MeshView mesh, const Context* context = nullptr);
 
 }  // namespace tri

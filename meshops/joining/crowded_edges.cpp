@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "meshops/pace.hpp"
+
 namespace tri {
 namespace {
 
@@ -66,12 +68,14 @@ class Turns {
 
 class CrowdPairing {
  public:
-  CrowdPairing(std::span<const Triangle> triangles, std::span<const Vec3> points, SidePairs& pairs, bool may_turn)
-      : triangles_(triangles), points_(points), pairs_(pairs), turns_(number_shells(), may_turn) {}
+  CrowdPairing(std::span<const Triangle> triangles, std::span<const Vec3> points, SidePairs& pairs, bool may_turn,
+               const Context& context)
+      : triangles_(triangles), points_(points), pairs_(pairs), pace_(context, 4096), turns_(number_shells(), may_turn) {}
 
   std::vector<std::uint32_t> run() {
     std::vector<Spokes> all;
     for (const auto& crowd : pairs_.crowded) {
+      pace_();
       Spokes spokes = in_order(crowd);
       pair(spokes);
       all.push_back(std::move(spokes));
@@ -79,11 +83,13 @@ class CrowdPairing {
     // Of shells tied together the smaller part is turned.
     std::vector<std::size_t> kept(shells_, 0), turned(shells_, 0);
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      pace_();
       const auto [root, odd] = turns_.find(shell_[t]);
       ++(odd ? turned : kept)[root];
     }
     std::vector<std::uint32_t> reverse;
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      pace_();
       const auto [root, odd] = turns_.find(shell_[t]);
       if (turned[root] > 0 && odd == (turned[root] <= kept[root])) reverse.push_back(t);
     }
@@ -105,6 +111,7 @@ class CrowdPairing {
       shell_[seed] = static_cast<std::uint32_t>(shells_);
       queue.assign(1, seed);
       for (std::size_t i = 0; i < queue.size(); ++i) {
+        pace_();
         for (Side side = static_cast<Side>(3 * queue[i]); side < static_cast<Side>(3 * queue[i] + 3); ++side) {
           const Side other = pairs_.twin[side];
           if (other == none || shell_[static_cast<std::size_t>(other / 3)] != unset) continue;
@@ -221,6 +228,7 @@ class CrowdPairing {
   std::span<const Triangle> triangles_;
   std::span<const Vec3> points_;
   SidePairs& pairs_;
+  Pace pace_;
   std::vector<std::uint32_t> shell_;
   std::size_t shells_ = 0;
   Turns turns_;
@@ -229,8 +237,8 @@ class CrowdPairing {
 }  // namespace
 
 std::vector<std::uint32_t> pair_crowded_sides(std::span<const Triangle> triangles, std::span<const Vec3> points,
-                                              SidePairs& pairs, bool may_turn) {
-  return CrowdPairing(triangles, points, pairs, may_turn).run();
+                                              SidePairs& pairs, bool may_turn, const Context& context) {
+  return CrowdPairing(triangles, points, pairs, may_turn, context).run();
 }
 
 }  // namespace tri

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/joining/side_pairs.hpp"
 
 namespace tri {
@@ -23,7 +24,8 @@ namespace tri {
 /// @param pairs of `triangles`, with nothing in `same_way`; `twin` is set for the pairs made that need no triangle turned
 /// @return triangles that have to be turned around, increasing; if there are any, `twin` is not changed: turn them, pair
 ///         the sides anew, and call again
+/// @throws Cancelled
 std::vector<std::uint32_t> pair_crowded_sides(std::span<const Triangle> triangles, std::span<const Vec3> points,
-                                              SidePairs& pairs, bool may_turn);
+                                              SidePairs& pairs, bool may_turn, const Context& context);
 
 }  // namespace tri

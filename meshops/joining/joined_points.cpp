@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -25,8 +26,10 @@ class Joiner {
       : soup_(soup), cluster_(cluster), rules_(rules), sets_(soup.points.size()) {}
 
   JoinedPoints run(Context& context) {
+    Pace pace(context);
     std::vector<Triangle> merged;
     for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+      pace();
       const Triangle& t = soup_.triangles[i];
       const Triangle m{cluster_[t[0]], cluster_[t[1]], cluster_[t[2]]};
       if (repeats_vertex(m)) {
@@ -37,17 +40,23 @@ class Joiner {
       source_.push_back(i);
     }
     const SidePairs pairs = pair_sides(merged, soup_.points.size(), context);
-    for (Side side = 0; side < static_cast<Side>(pairs.twin.size()); ++side)
+    for (Side side = 0; side < static_cast<Side>(pairs.twin.size()); ++side) {
+      pace();
       if (pairs.twin[side] > side) join_two(side, pairs.twin[side]);
+    }
     for (const auto& [a, b] : pairs.same_way) {
+      pace();
       if (!rules_.opposite_only)
         join_two(a, b);
       else if (ends(a) != ends(b))
         ++result_.edges_refused;
     }
-    for (const auto& crowd : pairs.crowded) join_crowd(crowd);
-    join_unused();
-    return finish();
+    for (const auto& crowd : pairs.crowded) {
+      pace();
+      join_crowd(crowd);
+    }
+    join_unused(pace);
+    return finish(pace);
   }
 
  private:
@@ -96,10 +105,12 @@ class Joiner {
     if (edges > 1) ++result_.edges_refused;
   }
 
-  void join_unused() {
+  void join_unused(Pace& pace) {
     std::vector<std::uint8_t> uses(soup_.points.size(), 0);
-    for (const Triangle& t : soup_.triangles)
+    for (const Triangle& t : soup_.triangles) {
+      pace();
       for (const std::uint32_t v : t) uses[v] = static_cast<std::uint8_t>(std::min(uses[v] + 1, 2));
+    }
     for (const std::uint32_t i : without_extent_) {
       const Triangle& t = soup_.triangles[i];
       if (repeats_vertex(t) || uses[t[0]] != 1 || uses[t[1]] != 1 || uses[t[2]] != 1) continue;
@@ -109,9 +120,10 @@ class Joiner {
       if (uses[i] == 0) sets_.join(i, cluster_[i]);
   }
 
-  JoinedPoints finish() {
+  JoinedPoints finish(Pace& pace) {
     result_.first.resize(soup_.points.size());
     for (std::size_t i = 0; i < result_.first.size(); ++i) {
+      pace();
       result_.first[i] = static_cast<std::uint32_t>(sets_.find(i));
       result_.points_apart += result_.first[i] == i && cluster_[i] != i;
     }
@@ -134,28 +146,35 @@ JoinedPoints join_points(const Soup& soup, std::span<const std::uint32_t> cluste
   return Joiner(soup, cluster, rules).run(context);
 }
 
-std::uint64_t apply_join(Soup& soup, std::span<const std::uint32_t> first) {
+std::uint64_t apply_join(Soup& soup, std::span<const std::uint32_t> first, const Context* context) {
+  Pace pace(context);
   std::vector<std::uint32_t> number(first.size());
   std::uint32_t next = 0;
   for (std::size_t i = 0; i < first.size(); ++i) number[i] = first[i] == i ? next++ : number[first[i]];
   std::vector<char> repeated_before;
-  for (const Triangle& t : soup.triangles) repeated_before.push_back(repeats_vertex(t));
-  renumber_points(soup, number, next);
+  for (const Triangle& t : soup.triangles) {
+    pace();
+    repeated_before.push_back(repeats_vertex(t));
+  }
+  renumber_points(soup, number, next, context);
   std::vector<char> keep;
   std::uint64_t dropped = 0;
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+    pace();
     keep.push_back(repeated_before[i] || !repeats_vertex(soup.triangles[i]));
     dropped += !keep.back();
   }
-  if (dropped > 0) keep_triangles(soup, keep);
+  if (dropped > 0) keep_triangles(soup, keep, context);
   return dropped;
 }
 
-std::vector<std::uint32_t> points_at_same_place(std::span<const Vec3> points) {
+std::vector<std::uint32_t> points_at_same_place(std::span<const Vec3> points, const Context* context) {
+  Pace pace(context);
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> slots(std::bit_ceil(std::max<std::size_t>(2 * points.size(), 64)), none);
   std::vector<std::uint32_t> first(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
+    pace();
     std::uint64_t hash = 0;
     for (int k = 0; k < 3; ++k) {
       // Adding 0 turns -0 into 0, which compares equal and so must hash equal.
@@ -171,16 +190,23 @@ std::vector<std::uint32_t> points_at_same_place(std::span<const Vec3> points) {
 }
 
 std::vector<char> points_on_loose_edges(const Soup& soup, Context& context) {
+  Pace pace(context);
   std::vector<Triangle> whole;
-  for (const Triangle& t : soup.triangles)
+  for (const Triangle& t : soup.triangles) {
+    pace();
     if (!repeats_vertex(t)) whole.push_back(t);
+  }
   const SidePairs pairs = pair_sides(whole, soup.points.size(), context);
   std::vector<char> paired(pairs.twin.size(), 0), result(soup.points.size(), 0);
-  for (std::size_t side = 0; side < paired.size(); ++side) paired[side] = pairs.twin[side] != SidePairs::none;
+  for (std::size_t side = 0; side < paired.size(); ++side) {
+    pace();
+    paired[side] = pairs.twin[side] != SidePairs::none;
+  }
   for (const auto& [a, b] : pairs.same_way) paired[a] = paired[b] = 1;
   for (const auto& crowd : pairs.crowded)
     for (const Side side : crowd) paired[side] = 1;
   for (Side side = 0; side < static_cast<Side>(paired.size()); ++side) {
+    pace();
     if (paired[side]) continue;
     const Side after = SidePairs::next(side);
     result[whole[side / 3][side % 3]] = result[whole[after / 3][after % 3]] = 1;

@@ -39,10 +39,14 @@ JoinedPoints join_points(const Soup& soup, std::span<const std::uint32_t> cluste
 /// Makes points one as `first` says: each set takes position and attributes of its lowest point, triangles that come to
 /// name a point twice are dropped, the rest keeps its order.
 /// @return number of triangles dropped
-std::uint64_t apply_join(Soup& soup, std::span<const std::uint32_t> first);
+/// @param context  null: cannot be cancelled
+/// @throws Cancelled; the soup is then half done
+std::uint64_t apply_join(Soup& soup, std::span<const std::uint32_t> first, const Context* context = nullptr);
 
 /// For each point the lowest point at the same place (0 and -0 are the same). O(points).
-std::vector<std::uint32_t> points_at_same_place(std::span<const Vec3> points);
+/// @param context  null: cannot be cancelled
+/// @throws Cancelled
+std::vector<std::uint32_t> points_at_same_place(std::span<const Vec3> points, const Context* context = nullptr);
 
 /// For each point whether it is the end of an edge of one triangle.
 std::vector<char> points_on_loose_edges(const Soup& soup, Context& context);

@@ -7,6 +7,9 @@
 #include <functional>
 #include <utility>
 
+#include "meshops/error.hpp"
+#include "meshops/pace.hpp"
+
 namespace tri {
 namespace {
 
@@ -74,12 +77,16 @@ void pair_bucket(Entry* begin, Entry* end, SidePairs& pairs) {
 }  // namespace
 
 SidePairs pair_sides(std::span<const Triangle> triangles, std::size_t points, Context& context) {
+  Pace pace(context);
   SidePairs pairs;
   // Sides by smaller vertex, and for each block of triangles the range of these vertices.
   std::vector<std::uint32_t> count(points);
   std::vector<Block> blocks;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (i % Block::size == 0) blocks.emplace_back();
+    if (i % Block::size == 0) {
+      if (blocks.size() % 32 == 0) context.checkpoint();
+      blocks.emplace_back();
+    }
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t v = std::min(triangles[i][k], triangles[i][k == 2 ? 0 : k + 1]);
       ++count[v];
@@ -112,6 +119,7 @@ SidePairs pair_sides(std::span<const Triangle> triangles, std::size_t points, Co
     // By now count[v] is where the bucket of v ends.
     Entry* bucket = entries.data();
     for (std::size_t v = begin; v < end; ++v) {
+      pace();
       Entry* const bucket_end = entries.data() + count[v];
       if (bucket < bucket_end) pair_bucket(bucket, bucket_end, pairs);
       bucket = bucket_end;
@@ -121,13 +129,18 @@ SidePairs pair_sides(std::span<const Triangle> triangles, std::size_t points, Co
 }
 
 std::vector<std::uint32_t> vertices_with_several_fans(std::span<const Triangle> triangles, std::size_t points,
-                                                      std::span<const std::int32_t> twin) {
+                                                      std::span<const std::int32_t> twin, const Context& context) {
+  Pace pace(context);
   // A fan is walked counter-clockwise; an open one has to be entered at its first triangle, whose side has no twin.
   std::vector<std::int32_t> first(points, SidePairs::none);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    pace();
     for (int k = 0; k < 3; ++k) first[triangles[i][k]] = static_cast<std::int32_t>(3 * i) + k;
-  for (std::size_t side = 0; side < twin.size(); ++side)
+  }
+  for (std::size_t side = 0; side < twin.size(); ++side) {
+    pace();
     if (twin[side] == SidePairs::none) first[triangles[side / 3][side % 3]] = static_cast<std::int32_t>(side);
+  }
   const auto fan_size = [&](std::size_t v) {
     std::uint32_t size = 0;
     std::int32_t side = first[v];
@@ -141,6 +154,7 @@ std::vector<std::uint32_t> vertices_with_several_fans(std::span<const Triangle> 
   const std::size_t covered = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, points, 4096), std::size_t{0},
       [&](const auto& range, std::size_t sum) {
+        if (context.cancelled()) throw Cancelled();
         for (std::size_t v = range.begin(); v < range.end(); ++v)
           if (first[v] != SidePairs::none) sum += fan_size(v);
         return sum;
@@ -149,10 +163,14 @@ std::vector<std::uint32_t> vertices_with_several_fans(std::span<const Triangle> 
   std::vector<std::uint32_t> several;
   if (covered == twin.size()) return several;
   std::vector<std::uint32_t> corners(points);
-  for (const Triangle& t : triangles)
+  for (const Triangle& t : triangles) {
+    pace();
     for (const std::uint32_t v : t) ++corners[v];
-  for (std::size_t v = 0; v < points; ++v)
+  }
+  for (std::size_t v = 0; v < points; ++v) {
+    pace();
     if (corners[v] > 0 && fan_size(v) != corners[v]) several.push_back(static_cast<std::uint32_t>(v));
+  }
   return several;
 }
 

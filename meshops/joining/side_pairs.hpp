@@ -59,7 +59,8 @@ ManifoldRepairs make_manifold(std::vector<Triangle>& triangles, std::span<const 
                               Context& context);
 
 /// Vertices whose triangles form more than one fan. With `crowded` and `same_way` empty as well, the list is manifold.
+/// @throws Cancelled
 std::vector<std::uint32_t> vertices_with_several_fans(std::span<const Triangle> triangles, std::size_t points,
-                                                      std::span<const std::int32_t> twin);
+                                                      std::span<const std::int32_t> twin, const Context& context);
 
 }  // namespace tri

@@ -5,6 +5,7 @@
 
 #include "meshops/crossings/predicates.hpp"
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/overlap_tree.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -18,21 +19,22 @@ struct LooseSide {
 };
 
 std::vector<LooseSide> loose_sides(const Soup& soup, Context& context) {
+  Pace pace(context);
   std::vector<Triangle> whole;
   std::vector<std::uint32_t> source;
-  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
+  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i, pace()) {
     if (repeats_vertex(soup.triangles[i])) continue;
     whole.push_back(soup.triangles[i]);
     source.push_back(i);
   }
   const SidePairs pairs = pair_sides(whole, soup.points.size(), context);
   std::vector<char> paired(pairs.twin.size());
-  for (std::size_t i = 0; i < paired.size(); ++i) paired[i] = pairs.twin[i] != SidePairs::none;
+  for (std::size_t i = 0; i < paired.size(); ++i, pace()) paired[i] = pairs.twin[i] != SidePairs::none;
   for (const auto& [a, b] : pairs.same_way) paired[a] = paired[b] = 1;
   for (const auto& crowd : pairs.crowded)
     for (const std::int32_t side : crowd) paired[side] = 1;
   std::vector<LooseSide> result;
-  for (std::uint32_t i = 0; i < paired.size(); ++i)
+  for (std::uint32_t i = 0; i < paired.size(); ++i, pace())
     if (!paired[i]) result.push_back({source[i / 3], i % 3});
   return result;
 }
@@ -56,10 +58,11 @@ double length_tolerance(const Soup& soup, double absolute, double relative) {
 
 std::vector<TJunction> find_t_junctions(const Soup& soup, double tolerance, Context& context) {
   const std::vector<LooseSide> sides = loose_sides(soup, context);
+  Pace pace(context);
   std::vector<char> loose(soup.points.size(), 0);
   std::vector<Box> boxes;
   std::vector<std::uint32_t> items;
-  for (std::uint32_t i = 0; i < sides.size(); ++i) {
+  for (std::uint32_t i = 0; i < sides.size(); ++i, pace()) {
     const Triangle& t = soup.triangles[sides[i].triangle];
     const std::uint32_t a = t[sides[i].side], b = t[(sides[i].side + 1) % 3];
     loose[a] = loose[b] = 1;

@@ -24,8 +24,9 @@ const OptionSchema& ExtractBoundariesOptions::schema() {
 Report extract_boundaries(MeshView view, const ExtractBoundariesOptions& options, Context& context) {
   validate(options);
   context.checkpoint();
+  context.progress("extract-boundaries", 0);
   auto& mesh = view.mesh;
-  std::vector<BoundaryLoop> loops = boundary_loops(view);
+  std::vector<BoundaryLoop> loops = boundary_loops(view, &context);
   std::erase_if(loops, [&](const BoundaryLoop& loop) { return !view.may_fill(loop.halfedges); });
   context.checkpoint();
 
@@ -70,6 +71,7 @@ Report extract_boundaries(MeshView view, const ExtractBoundariesOptions& options
     report.figures["boundary edges"] = edges;
     report.figures["boundary length"] = length;
   }
+  context.progress("extract-boundaries", 1);
   return report;
 }
 

@@ -66,7 +66,10 @@ Report fair(MeshView view, const FairOptions& options, Context& context) {
     else
       moving.push_back(v);
   }
-  if (moving.empty()) return report;
+  if (moving.empty()) {
+    context.progress("fair", 1);
+    return report;
+  }
   FairedPoints faired = faired_points(view, moving, options.continuity, options.weights, context);
   if (faired.without_rim > 0) report.skipped["no neighbour stays"] = faired.without_rim;
   if (options.weights == FairingWeights::cotangent &&

@@ -55,9 +55,13 @@ class HoleFiller {
       : view_(view), options_(options), context_(context), report_(report) {}
 
   void run() {
+    context_.progress("fill-holes", 0);
     sort_loops();
     find_islands();
-    if (holes_.empty()) return;
+    if (holes_.empty()) {
+      context_.progress("fill-holes", 1);
+      return;
+    }
     std::vector<std::vector<VertexHandle>> rims;
     for (const Hole& hole : holes_) rims.push_back(hole.vertices());
     FillingObstacles obstacles(view_, rims);
@@ -75,9 +79,9 @@ class HoleFiller {
   void count(const char* figure, double more = 1) { report_.figures[figure] += more; }
 
   void sort_loops() {
-    const auto cycles = boundary_cycles(view_);
+    const auto cycles = boundary_cycles(view_, &context_);
     if (cycles.empty()) return;
-    const auto sizes = component_sizes(view_);
+    const auto sizes = component_sizes(view_, &context_);
     for (const auto& cycle : cycles) {
       context_.checkpoint();
       if (!view_.may_fill(cycle)) continue;

@@ -27,9 +27,9 @@ const OptionSchema& OrientOptions::schema() {
 
 Report orient(Soup& soup, const OrientOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
   context.progress("orient", 0);
+  check_soup(soup, &context);
   Report report;
   report.operation = "orient";
   Shells shells = find_shells(soup, context);

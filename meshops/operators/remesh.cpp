@@ -46,7 +46,11 @@ class Remesher {
   Report run() {
     if (options_.adaptive && std::isinf(options_.max_error))
       throw InvalidInput("adaptive remeshing needs a max-error: how far the edges may stand off the surface");
-    if (triangles_.empty()) return std::move(report_);
+    context_.progress("remesh", 0);
+    if (triangles_.empty()) {
+      context_.progress("remesh", 1);
+      return std::move(report_);
+    }
     prepare();
     for (int round = 0; round < options_.iterations; ++round) {
       round_ = round;
@@ -63,6 +67,7 @@ class Remesher {
         view_, *surface_, near_, [&](VertexHandle v) { return kinds_[index(v)] != Kind::free; },
         [&] { checkpoint(1); });
     describe();
+    context_.progress("remesh", 1);
     return std::move(report_);
   }
 

@@ -5,6 +5,7 @@
 
 #include "meshops/checks/mesh_summary.hpp"
 #include "meshops/checks/soup_components.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -24,15 +25,20 @@ const OptionSchema& RemoveComponentsOptions::schema() {
 
 Report remove_components(Soup& soup, const RemoveComponentsOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
+  context.progress("remove-components", 0);
+  check_soup(soup, &context);
   Report report;
   report.operation = "remove-components";
-  if (options.min_area == 0 && options.min_volume == 0 && options.min_triangles == 0 && options.keep == 0) return report;
+  if (options.min_area == 0 && options.min_volume == 0 && options.min_triangles == 0 && options.keep == 0) {
+    context.progress("remove-components", 1);
+    return report;
+  }
 
   const Shells shells = find_shells(soup, context);
+  context.progress("remove-components", 0.3);
   MeshPlaces places;
-  const MeshSummary summary = summarize(soup, &places);
+  const MeshSummary summary = summarize(soup, &places, &context);
   context.checkpoint();
   std::vector<SoupComponent> found = measure_components(soup, places.component_of_triangle, shells);
   // Triangles that name a vertex twice are one more.
@@ -50,7 +56,10 @@ Report remove_components(Soup& soup, const RemoveComponentsOptions& options, Con
   }
   context.checkpoint();
   report.figures["components kept"] = static_cast<double>(stay.size());
-  if (stay.size() == found.size()) return report;
+  if (stay.size() == found.size()) {
+    context.progress("remove-components", 1);
+    return report;
+  }
   std::vector<char> stays(found.size(), 0);
   for (const std::uint32_t i : stay) stays[i] = 1;
   double area = 0;
@@ -60,17 +69,22 @@ Report remove_components(Soup& soup, const RemoveComponentsOptions& options, Con
   report.figures["area removed"] = area;
 
   std::vector<char> keep(soup.triangles.size()), used(soup.points.size(), 0), had(soup.points.size(), 0);
+  Pace pace(context);
   for (std::size_t i = 0; i < keep.size(); ++i) {
+    pace();
     keep[i] = stays[component_of[i]];
     report.faces_removed += !keep[i];
     for (const std::uint32_t v : soup.triangles[i]) (keep[i] ? used : had)[v] = 1;
   }
-  keep_triangles(soup, keep);
+  Soup work = soup;
+  keep_triangles(work, keep, &context);
   std::vector<std::uint32_t> number(soup.points.size());
   std::uint32_t next = 0;
   for (std::size_t v = 0; v < number.size(); ++v) number[v] = used[v] || !had[v] ? next++ : dropped_point;
   report.vertices_removed = number.size() - next;
-  if (report.vertices_removed > 0) renumber_points(soup, number, next);
+  if (report.vertices_removed > 0) renumber_points(work, number, next, &context);
+  soup = std::move(work);
+  context.progress("remove-components", 1);
   return report;
 }
 

@@ -10,6 +10,7 @@
 
 #include "meshops/checks/surface_reach.hpp"
 #include "meshops/crossings/predicates.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -349,7 +350,7 @@ class Cleaner {
     if (caps_ > 0) report_.figures["caps removed"] = caps_;
     if (needles_ > 0) report_.figures["needles collapsed"] = needles_;
     context_.checkpoint();
-    keep_triangles(work_, alive_);
+    keep_triangles(work_, alive_, &context_);
     std::vector<char> used(work_.points.size(), 0);
     for (const Triangle& t : work_.triangles)
       for (const std::uint32_t v : t) used[v] = 1;
@@ -357,7 +358,7 @@ class Cleaner {
     std::uint32_t next = 0;
     for (std::size_t v = 0; v < used.size(); ++v) number[v] = used[v] || !used_before_[v] ? next++ : dropped_point;
     report_.vertices_removed = used.size() - next;
-    if (report_.vertices_removed > 0) renumber_points(work_, number, next);
+    if (report_.vertices_removed > 0) renumber_points(work_, number, next, &context_);
     result = std::move(work_);
   }
 
@@ -388,11 +389,12 @@ const OptionSchema& RemoveDegenerateOptions::schema() {
 
 Report remove_degenerate(Soup& soup, const RemoveDegenerateOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
   context.progress("remove-degenerate", 0);
+  check_soup(soup, &context);
+  Pace pace(context);
   std::vector<std::uint32_t> found;
-  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i)
+  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i, pace())
     if (Cleaner::measure(soup, soup.triangles[i], options).degenerate) found.push_back(i);
   Report report;
   report.operation = "remove-degenerate";

@@ -1,13 +1,14 @@
 #include "meshops/operators/remove_duplicates.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <map>
 #include <numeric>
 #include <utility>
 
+#include "meshops/pace.hpp"
+#include "meshops/search/cancellable_sort.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -39,18 +40,19 @@ void for_edges(const Triangle& t, const Visit& visit) {
 }
 
 /// For each pair whether it belongs to a wall between solids.
-std::vector<char> walls(const Soup& soup, const std::vector<Pair>& pairs, const std::vector<char>& keep) {
+std::vector<char> walls(const Soup& soup, const std::vector<Pair>& pairs, const std::vector<char>& keep, const Context& context) {
+  Pace pace(context, 1024);
   struct AtEdge {
     std::vector<std::uint32_t> pairs;
     int forward = 0, backward = 0;  // further triangles
   };
   std::map<Edge, AtEdge> edges;
   std::vector<char> paired(soup.triangles.size(), 0);
-  for (std::uint32_t p = 0; p < pairs.size(); ++p) {
+  for (std::uint32_t p = 0; p < pairs.size(); ++p, pace()) {
     for (const std::uint32_t t : pairs[p]) paired[t] = 1;
     for_edges(soup.triangles[pairs[p][0]], [&](const Edge& e, bool) { edges[e].pairs.push_back(p); });
   }
-  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t, pace()) {
     if (!keep[t] || paired[t] || repeats_vertex(soup.triangles[t])) continue;
     for_edges(soup.triangles[t], [&](const Edge& e, bool forward) {
       if (const auto found = edges.find(e); found != edges.end()) ++(forward ? found->second.forward : found->second.backward);
@@ -98,22 +100,25 @@ const OptionSchema& RemoveDuplicatesOptions::schema() {
 
 Report remove_duplicates(Soup& soup, const RemoveDuplicatesOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
+  context.progress("remove-duplicates", 0);
+  check_soup(soup, &context);
+  Pace pace(context);
   Report report;
   report.operation = "remove-duplicates";
   std::vector<SortedTriangle> sorted(soup.triangles.size());
-  for (std::uint32_t i = 0; i < sorted.size(); ++i) {
+  for (std::uint32_t i = 0; i < sorted.size(); ++i, pace()) {
     sorted[i] = {soup.triangles[i], i};
     std::sort(sorted[i].corners.begin(), sorted[i].corners.end());
   }
-  tbb::parallel_sort(sorted.begin(), sorted.end());
-  context.checkpoint();
+  cancellable_sort(sorted.begin(), sorted.end(), &context);
+  context.progress("remove-duplicates", 0.5);
 
   std::vector<char> keep(soup.triangles.size(), 1);
   std::vector<std::uint32_t> same_way, removed_pairs, single_pairs;
   std::vector<Pair> pairs;
   for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
+    pace();
     while (end < sorted.size() && sorted[end].corners == sorted[begin].corners) ++end;
     if (end - begin == 1 || repeats_vertex(sorted[begin].corners)) continue;
     const std::uint32_t first = sorted[begin].index;
@@ -131,7 +136,7 @@ Report remove_duplicates(Soup& soup, const RemoveDuplicatesOptions& options, Con
   }
   std::sort(pairs.begin(), pairs.end());
   std::sort(same_way.begin(), same_way.end());
-  const std::vector<char> wall = options.opposite == OppositePairs::automatic ? walls(soup, pairs, keep) : std::vector<char>();
+  const std::vector<char> wall = options.opposite == OppositePairs::automatic ? walls(soup, pairs, keep, context) : std::vector<char>();
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     if (options.opposite == OppositePairs::keep) continue;
     keep[pairs[p][1]] = 0;
@@ -144,8 +149,12 @@ Report remove_duplicates(Soup& soup, const RemoveDuplicatesOptions& options, Con
   note_first(report, "opposite pairs removed", removed_pairs);
   if (!pairs.empty()) report.figures["opposite pairs found"] = static_cast<double>(pairs.size());
   report.faces_removed = static_cast<std::uint64_t>(std::count(keep.begin(), keep.end(), 0));
-  context.checkpoint();
-  if (report.faces_removed > 0) keep_triangles(soup, keep);
+  if (report.faces_removed > 0) {
+    Soup work = soup;
+    keep_triangles(work, keep, &context);
+    soup = std::move(work);
+  }
+  context.progress("remove-duplicates", 1);
   return report;
 }
 

@@ -46,9 +46,12 @@ Report remove_outliers(PointSet& set, const RemoveOutliersOptions& options, Cont
   Report report;
   report.operation = "remove-outliers";
   const std::size_t n = set.size();
-  if (n < 2) return report;
+  if (n < 2) {
+    context.progress("remove outliers", 1);
+    return report;
+  }
   const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(options.neighbors), n - 1);
-  const NearestPoints tree(set.points);
+  const NearestPoints tree(set.points, &context);
   context.progress("remove outliers", 0.2);
   std::vector<double> distance(n);
   for_each_block(context, "measure distances", n, block_size, [&](std::size_t, std::size_t begin, std::size_t end) {

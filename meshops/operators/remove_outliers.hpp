@@ -26,7 +26,7 @@ struct RemoveOutliersOptions {
 /// queries run on all threads; results do not depend on their number.
 ///
 /// Counts: `vertices_removed`. Figures: "mean distance", "standard deviation", "limit", in the unit of the points.
-/// `maps.vertices`: old to new index. Cancel: within 16,384 points; building the tree is not interrupted.
+/// `maps.vertices`: old to new index. Cancel: within 16,384 points.
 /// @throws InvalidInput if an option is out of range or the set is inconsistent; Cancelled. The set is then as it was.
 Report remove_outliers(PointSet& set, const RemoveOutliersOptions& options, Context& context);
 

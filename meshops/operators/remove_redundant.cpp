@@ -100,7 +100,7 @@ class Judgement {
   void mark_by_length() {
     const bool absolute = std::isfinite(options_.max_length);
     if (!absolute && !std::isfinite(options_.length_factor)) return;
-    const std::vector<double> spacing = absolute ? std::vector<double>() : local_spacing(view_);
+    const std::vector<double> spacing = absolute ? std::vector<double>() : local_spacing(view_, &context_);
     for (int i = 0; i < faces(); ++i) {
       pause(i, 0, 0.3);
       const FaceHandle f(i);
@@ -399,7 +399,7 @@ Report remove_redundant(MeshView view, const RemoveRedundantOptions& options, Co
     delete_vertex(view, v);
     ++report.vertices_removed;
   }
-  if (report.faces_removed > 0) context.progress("remove-redundant", 1);
+  context.progress("remove-redundant", 1);
   return report;
 }
 

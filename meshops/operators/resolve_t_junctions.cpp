@@ -6,6 +6,7 @@
 
 #include "meshops/joining/joined_points.hpp"
 #include "meshops/joining/t_junctions.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -81,7 +82,7 @@ class Resolver {
     if (gone_.empty()) return;
     std::vector<char> keep(work_.triangles.size(), 1);
     for (const std::uint32_t t : gone_) keep[t] = 0;
-    keep_triangles(work_, keep);
+    keep_triangles(work_, keep, &context);
     for (std::uint32_t& f : report_.touched_faces) f -= static_cast<std::uint32_t>(gone_.size());
     context.checkpoint();
     join(context);
@@ -91,7 +92,7 @@ class Resolver {
  private:
   /// Joins the new edges with what they lie on.
   void join(Context& context) {
-    const std::vector<std::uint32_t> same = points_at_same_place(work_.points);
+    const std::vector<std::uint32_t> same = points_at_same_place(work_.points, &context);
     std::vector<char> wanted(work_.points.size(), 0);
     for (std::uint32_t i = 0; i < same.size(); ++i)
       if (i >= cluster_wanted_.size() || cluster_wanted_[i]) wanted[same[i]] = 1;
@@ -100,7 +101,7 @@ class Resolver {
     const JoinedPoints joined = join_points(work_, cluster, {.join_crowds = false, .opposite_only = true}, context);
     context.checkpoint();
     const std::size_t before = work_.points.size();
-    apply_join(work_, joined.first);
+    apply_join(work_, joined.first, &context);
     if (joined.edges_joined > 0) report_.figures["edges joined"] = static_cast<double>(joined.edges_joined);
     // New vertices that became one with those they were put on were never there.
     const std::uint64_t gone = before - work_.points.size(), never = std::min(gone, report_.vertices_added);
@@ -129,19 +130,27 @@ const OptionSchema& ResolveTJunctionsOptions::schema() {
 
 Report resolve_t_junctions(Soup& soup, const ResolveTJunctionsOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
+  context.progress("resolve-t-junctions", 0);
+  check_soup(soup, &context);
   Report report;
   report.operation = "resolve-t-junctions";
   const double tolerance = length_tolerance(soup, options.tolerance, options.relative_tolerance);
   const std::vector<TJunction> junctions = find_t_junctions(soup, tolerance, context);
-  if (junctions.empty()) return report;
+  context.progress("resolve-t-junctions", 0.5);
+  if (junctions.empty()) {
+    context.progress("resolve-t-junctions", 1);
+    return report;
+  }
   Resolver resolver(soup, report);
+  Pace pace(context, 1024);
   for (std::size_t begin = 0, end = 0; begin < junctions.size(); begin = end) {
+    pace();
     while (end < junctions.size() && junctions[end].triangle == junctions[begin].triangle) ++end;
     resolver.split(std::span(junctions).subspan(begin, end - begin));
   }
   resolver.finish(soup, context);
+  context.progress("resolve-t-junctions", 1);
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -15,14 +16,15 @@ const OptionSchema& SplitNonManifoldOptions::schema() {
 
 Report split_non_manifold(Soup& soup, const SplitNonManifoldOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
   context.progress("split-non-manifold", 0);
+  check_soup(soup, &context);
+  Pace pace(context);
   Report report;
   report.operation = "split-non-manifold";
   std::vector<Triangle> whole;
   std::vector<std::uint32_t> source;
-  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
+  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i, pace()) {
     if (repeats_vertex(soup.triangles[i])) continue;
     whole.push_back(soup.triangles[i]);
     source.push_back(i);
@@ -30,8 +32,10 @@ Report split_non_manifold(Soup& soup, const SplitNonManifoldOptions& options, Co
   SidePairs pairs = pair_sides(whole, soup.points.size(), context);
   context.progress("split-non-manifold", 0.4);
   if (pairs.same_way.empty() && pairs.crowded.empty() &&
-      vertices_with_several_fans(whole, soup.points.size(), pairs.twin).empty())
+      vertices_with_several_fans(whole, soup.points.size(), pairs.twin, context).empty()) {
+    context.progress("split-non-manifold", 1);
     return report;
+  }
   const ManifoldRepairs repairs = make_manifold(whole, soup.points, pairs, context);
   context.checkpoint();
 
@@ -51,9 +55,14 @@ Report split_non_manifold(Soup& soup, const SplitNonManifoldOptions& options, Co
   figure("edges cut", repairs.cut.size());
   figure("triangles detached", repairs.detached_triangles.size());
 
-  for (const std::uint32_t t : repairs.reversed_triangles) reverse_triangle(soup, source[t]);
-  for (const std::uint32_t p : repairs.copied_points) report.touched_vertices.push_back(copy_point(soup, p));
-  for (std::size_t i = 0; i < whole.size(); ++i) soup.triangles[source[i]] = whole[i];
+  Soup work = soup;
+  for (const std::uint32_t t : repairs.reversed_triangles) reverse_triangle(work, source[t]);
+  for (const std::uint32_t p : repairs.copied_points) {
+    pace();
+    report.touched_vertices.push_back(copy_point(work, p));
+  }
+  for (std::size_t i = 0; i < whole.size(); ++i, pace()) work.triangles[source[i]] = whole[i];
+  soup = std::move(work);
   context.progress("split-non-manifold", 1);
   return report;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshops/joining/joined_points.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/nearest_points.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -31,7 +32,7 @@ std::vector<std::uint32_t> coincident(const Soup& soup, Context& context) {
     places.push_back(soup.points[i]);
   }
   std::vector<std::uint32_t> cluster = own_clusters(soup.points.size());
-  const std::vector<std::uint32_t> first = points_at_same_place(places);
+  const std::vector<std::uint32_t> first = points_at_same_place(places, &context);
   for (std::size_t i = 0; i < first.size(); ++i) cluster[source[i]] = source[first[i]];
   return cluster;
 }
@@ -41,10 +42,13 @@ std::vector<std::uint32_t> mutually_nearest(const Soup& soup, double tolerance, 
   constexpr std::size_t looked_at = 8;
   const std::vector<char> loose = points_on_loose_edges(soup, context);
   std::vector<std::vector<std::uint32_t>> neighbors(soup.points.size());
-  for (const Triangle& t : soup.triangles)
+  Pace pace(context);
+  for (const Triangle& t : soup.triangles) {
+    pace();
     for (int k = 0; k < 3; ++k)
       if (loose[t[k]])
         for (int m = 1; m < 3; ++m) neighbors[t[k]].push_back(t[(k + m) % 3]);
+  }
   std::vector<std::uint32_t> source;
   std::vector<Vec3> places;
   for (std::uint32_t i = 0; i < loose.size(); ++i) {
@@ -52,7 +56,7 @@ std::vector<std::uint32_t> mutually_nearest(const Soup& soup, double tolerance, 
     source.push_back(i);
     places.push_back(soup.points[i]);
   }
-  const NearestPoints tree(places);
+  const NearestPoints tree(places, &context);
   std::vector<std::uint32_t> nearest(places.size(), none);
   std::vector<NearestPoints::Neighbor> near;
   for (std::uint32_t i = 0; i < places.size(); ++i) {
@@ -108,8 +112,9 @@ const OptionSchema& StitchBoundariesOptions::schema() {
 
 Report stitch_boundaries(Soup& soup, const StitchBoundariesOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
+  context.progress("stitch-boundaries", 0);
+  check_soup(soup, &context);
   Report report;
   report.operation = "stitch-boundaries";
   const std::size_t points_before = soup.points.size();
@@ -123,14 +128,19 @@ Report stitch_boundaries(Soup& soup, const StitchBoundariesOptions& options, Con
   figure("edges joined", joined.edges_joined);
   skipped("edges that would be crowded, or run the same way", joined.edges_refused);
   if (options.tolerance == 0) {
-    context.checkpoint();
-    if (!joins_nothing(joined)) apply_join(soup, joined.first);
+    if (!joins_nothing(joined)) {
+      Soup work = soup;
+      apply_join(work, joined.first, &context);
+      soup = std::move(work);
+    }
     report.vertices_removed = points_before - soup.points.size();
+    context.progress("stitch-boundaries", 1);
     return report;
   }
 
   Soup work = soup;
-  if (!joins_nothing(joined)) apply_join(work, joined.first);
+  if (!joins_nothing(joined)) apply_join(work, joined.first, &context);
+  context.progress("stitch-boundaries", 0.5);
   while (true) {
     context.checkpoint();
     std::vector<std::uint32_t> cluster = mutually_nearest(work, options.tolerance, context);
@@ -144,10 +154,11 @@ Report stitch_boundaries(Soup& soup, const StitchBoundariesOptions& options, Con
     }
     figure("edges joined across a gap", joined.edges_joined);
     meet(work, joined, report);
-    apply_join(work, joined.first);
+    apply_join(work, joined.first, &context);
   }
   report.vertices_removed = points_before - work.points.size();
   if (report.vertices_removed > 0) soup = std::move(work);
+  context.progress("stitch-boundaries", 1);
   return report;
 }
 

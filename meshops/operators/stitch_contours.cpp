@@ -26,7 +26,7 @@ class Stitcher {
         context_(context),
         report_(report),
         first_new_face_(mesh_.n_faces()),
-        spacing_(local_spacing(view)),
+        spacing_(local_spacing(view, &context)),
         facing_(view, spacing_, {options.max_gap, options.max_distance, options.max_turn}) {}
 
   void run() {
@@ -184,7 +184,7 @@ class Stitcher {
     };
     std::map<int, std::vector<Contour>> contours;
     const auto value = [&](HalfedgeHandle h) { return mesh_.property(mark, mesh_.edge_handle(h)); };
-    for (const auto& cycle : boundary_cycles(view_)) {
+    for (const auto& cycle : boundary_cycles(view_, &context_)) {
       const std::size_t n = cycle.size();
       std::size_t start = 0;
       while (start < n && value(cycle[start]) == value(cycle[(start + n - 1) % n])) ++start;
@@ -214,8 +214,8 @@ class Stitcher {
 
   void close_corners() {
     if (options_.max_corner_edges == 0 || report_.faces_added == 0) return;
-    const auto cycles = boundary_cycles(view_);
-    const auto sizes = component_sizes(view_);
+    const auto cycles = boundary_cycles(view_, &context_);
+    const auto sizes = component_sizes(view_, &context_);
     for (const auto& cycle : cycles) {
       context_.checkpoint();
       int stitched = 0;
@@ -319,7 +319,7 @@ Report stitch_contours(MeshView view, const StitchContoursOptions& options, Cont
   std::sort(report.touched_vertices.begin(), report.touched_vertices.end());
   report.touched_vertices.erase(std::unique(report.touched_vertices.begin(), report.touched_vertices.end()),
                                 report.touched_vertices.end());
-  if (report.faces_added > 0) context.progress("stitch-contours", 1);
+  context.progress("stitch-contours", 1);
   return report;
 }
 

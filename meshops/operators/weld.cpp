@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshops/joining/joined_points.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/nearest_points.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -22,14 +23,15 @@ struct NearPair {
 /// Clusters of loose points that are at most `tolerance` wide and hold no two points of one triangle.
 class Clusters {
  public:
-  Clusters(const Soup& soup, std::vector<std::uint32_t> start, double tolerance)
+  Clusters(const Soup& soup, std::vector<std::uint32_t> start, double tolerance, const Context& context)
       : soup_(soup), cluster_(std::move(start)), limit_(tolerance * tolerance), members_(soup.points.size()) {
-    for (std::uint32_t i = 0; i < cluster_.size(); ++i) members_[cluster_[i]].push_back(i);
+    Pace pace(context);
+    for (std::uint32_t i = 0; i < cluster_.size(); ++i, pace()) members_[cluster_[i]].push_back(i);
   }
 
   std::vector<std::uint32_t> run(Context& context) {
     const std::vector<NearPair> pairs = near_pairs(context);
-    if (!pairs.empty()) list_neighbors();
+    if (!pairs.empty()) list_neighbors(context);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (i % 65536 == 0) context.checkpoint();
       unite(pairs[i].a, pairs[i].b);
@@ -48,7 +50,7 @@ class Clusters {
       source.push_back(i);
       places.push_back(soup_.points[i]);
     }
-    const NearestPoints tree(places);
+    const NearestPoints tree(places, &context);
     std::vector<NearPair> pairs;
     std::vector<NearestPoints::Neighbor> near;
     for (std::uint32_t i = 0; i < places.size(); ++i) {
@@ -58,18 +60,25 @@ class Clusters {
         if (n.index != i && n.squared_distance <= limit_)
           pairs.push_back({n.squared_distance, std::min(source[i], source[n.index]), std::max(source[i], source[n.index])});
     }
-    std::sort(pairs.begin(), pairs.end());
+    Pace pace(context);
+    std::sort(pairs.begin(), pairs.end(), [&](const NearPair& a, const NearPair& b) {
+      pace();
+      return a < b;
+    });
     pairs.erase(std::unique(pairs.begin(), pairs.end(), [](const NearPair& p, const NearPair& q) { return p.a == q.a && p.b == q.b; }),
                 pairs.end());
     return pairs;
   }
 
-  void list_neighbors() {
+  void list_neighbors(const Context& context) {
+    Pace pace(context);
     neighbors_.resize(soup_.points.size());
-    for (const Triangle& t : soup_.triangles)
+    for (const Triangle& t : soup_.triangles) {
+      pace();
       for (int k = 0; k < 3; ++k)
         for (int m = 0; m < 3; ++m)
           if (t[k] != t[m]) neighbors_[t[k]].push_back(t[m]);
+    }
   }
 
   bool may_unite(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) const {
@@ -137,12 +146,12 @@ const OptionSchema& WeldOptions::schema() {
 
 Report weld(Soup& soup, const WeldOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
   context.checkpoint();
   context.progress("weld", 0);
+  check_soup(soup, &context);
   Report report;
   report.operation = "weld";
-  const std::vector<std::uint32_t> coincident = points_at_same_place(soup.points);
+  const std::vector<std::uint32_t> coincident = points_at_same_place(soup.points, &context);
   context.checkpoint();
   JoinedPoints joined;
   if (options.touching)
@@ -157,10 +166,10 @@ Report weld(Soup& soup, const WeldOptions& options, Context& context) {
 
   if (options.tolerance > 0) {
     Soup shape{soup.points, soup.triangles, {}, {}, {}, {}, {}, {}};
-    apply_join(shape, first);
+    apply_join(shape, first, &context);
     std::vector<std::uint32_t> own(shape.points.size());
     for (std::uint32_t i = 0; i < own.size(); ++i) own[i] = i;
-    std::vector<std::uint32_t> cluster = Clusters(shape, std::move(own), options.tolerance).run(context);
+    std::vector<std::uint32_t> cluster = Clusters(shape, std::move(own), options.tolerance, context).run(context);
     JoinedPoints near = join_points(shape, cluster, {}, context);
     const std::uint64_t turned = keep_from_turning_over(shape, cluster, {}, context, near, [&](const JoinedPoints& j) {
       std::vector<Vec3> moved(shape.points.size());
@@ -181,13 +190,18 @@ Report weld(Soup& soup, const WeldOptions& options, Context& context) {
     report.vertices_removed += first[i] != i;
     if (first[i] != i) has_joined[first[i]] = 1;
   }
-  if (report.vertices_removed == 0) return report;
+  if (report.vertices_removed == 0) {
+    context.progress("weld", 1);
+    return report;
+  }
   std::uint32_t number = 0;
   for (std::uint32_t i = 0; i < first.size(); ++i) {
     if (has_joined[i]) report.touched_vertices.push_back(number);
     number += first[i] == i;
   }
-  report.faces_removed = apply_join(soup, first);
+  Soup work = soup;
+  report.faces_removed = apply_join(work, first, &context);
+  soup = std::move(work);
   context.progress("weld", 1);
   return report;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "meshops/pace.hpp"
+
 namespace tri {
 namespace {
 
@@ -14,19 +16,20 @@ double lower_median(std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<double> local_spacing(MeshView view) {
+std::vector<double> local_spacing(MeshView view, const Context* context) {
+  Pace pace(context, 4096);
   const auto& mesh = view.mesh;
   std::vector<double> own(mesh.n_vertices(), 0), smooth(mesh.n_vertices(), 0);
   std::vector<double> values;
   const auto live = [&](VertexHandle v) { return !mesh.status(v).deleted() && !mesh.is_isolated(v); };
-  for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i) {
+  for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i, pace()) {
     const VertexHandle v(i);
     if (!live(v)) continue;
     values.clear();
     for (auto it = mesh.cvv_iter(v); it.is_valid(); ++it) values.push_back((view.point(*it) - view.point(v)).norm());
     own[i] = lower_median(values);
   }
-  for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i) {
+  for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i, pace()) {
     const VertexHandle v(i);
     if (!live(v)) continue;
     values.assign(1, own[i]);

@@ -2,13 +2,19 @@
 
 #include <nanoflann.hpp>
 
+#include "meshops/pace.hpp"
+
 namespace tri {
 namespace {
 
 struct Cloud {
   std::span<const Vec3> points;
+  Pace* building = nullptr;  // nanoflann asks for coordinates all the time while it builds; the one place to stop it
   std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    if (building) (*building)();
+    return points[i][static_cast<int>(axis)];
+  }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
@@ -20,14 +26,19 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
 }  // namespace
 
 struct NearestPoints::Impl {
-  explicit Impl(std::span<const Vec3> points) : cloud{points}, tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(12)) {
+  Impl(std::span<const Vec3> points, const Context* context)
+      : cloud{points}, tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(12)) {
+    Pace pace(context, 1 << 18);
+    cloud.building = &pace;
     tree.buildIndex();
+    cloud.building = nullptr;
   }
   Cloud cloud;
   Tree tree;
 };
 
-NearestPoints::NearestPoints(std::span<const Vec3> points) : impl_(std::make_unique<Impl>(points)) {}
+NearestPoints::NearestPoints(std::span<const Vec3> points, const Context* context)
+    : impl_(std::make_unique<Impl>(points, context)) {}
 NearestPoints::~NearestPoints() = default;
 NearestPoints::NearestPoints(NearestPoints&&) noexcept = default;
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/vec.hpp"
 
 namespace tri {
@@ -19,7 +20,8 @@ class NearestPoints {
   };
 
   /// @param points  finite; must outlive this object
-  explicit NearestPoints(std::span<const Vec3> points);
+  /// @param context  null: cannot be cancelled while the tree is built @throws Cancelled
+  explicit NearestPoints(std::span<const Vec3> points, const Context* context = nullptr);
   ~NearestPoints();
   /// The other one can only be destroyed afterwards.
   NearestPoints(NearestPoints&&) noexcept;

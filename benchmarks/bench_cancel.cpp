@@ -1,0 +1,345 @@
+// How soon a cancel from another thread is heeded: for every registered operator, on a mesh of two million faces that gives it
+// work, as a plain run and recorded (where an undo follows), and for `repair`.
+//
+//     bench_cancel [NAME...]        TRI_BENCH_FACES=200000 for smaller meshes
+//
+// A table, in milliseconds. `silence`: the longest time without a checkpoint in a run to the end, from the start to the return,
+// and the step in which it ended. `5%` to `95%`: from a request at that share of the run's time to the return, whatever unwinding
+// and undoing takes; the worst of TRI_BENCH_REPEATS (1) tries. `-`: the run had ended. `after`: the mesh has been looked at after
+// every cancel: "valid", "as it was" (bit for bit), or what is wrong. `progress`: "ends" if every step's share went up to 1
+// without going back.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include <doctest/doctest.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "../tests/mesh_check.hpp"
+#include "damaged_torus.hpp"
+#include "meshops/build_mesh.hpp"
+#include "meshops/editing/change_set.hpp"
+#include "meshops/error.hpp"
+#include "meshops/registry.hpp"
+#include "meshops/repair.hpp"
+
+namespace {
+
+using namespace tri;
+using Clock = std::chrono::steady_clock;
+
+constexpr double moments[] = {0.05, 0.25, 0.5, 0.75, 0.95};
+
+double ms_between(Clock::time_point a, Clock::time_point b) { return std::chrono::duration<double, std::milli>(b - a).count(); }
+
+std::int64_t environment(const char* name, std::int64_t otherwise) {
+  const char* text = std::getenv(name);
+  return text ? std::atoll(text) : otherwise;
+}
+
+/// Looks on while an operation runs to its end: the longest time without a checkpoint, and how progress went.
+class Watch {
+ public:
+  explicit Watch(Context& context) {
+    context.on_checkpoint = [this] { look(); };
+    context.on_progress = [this](std::string_view step, double share) {
+      const std::lock_guard lock(mutex_);
+      step_ = step;
+      double& before = shares_.try_emplace(std::string(step), 0.0).first->second;
+      if (share < before) backwards_ = step_;
+      before = share;
+    };
+    last_ = start_ = Clock::now();
+  }
+  void look() {
+    const Clock::time_point now = Clock::now();
+    const std::lock_guard lock(mutex_);
+    const double silence = ms_between(last_, now);
+    if (silence > longest_) longest_ = silence, where_ = step_, at_ = ms_between(start_, now);
+    last_ = now;
+  }
+  double longest() const { return longest_; }
+  std::string where() const { return fmt::format("{} at {:.0f}", where_.empty() ? "start" : where_, at_); }
+  std::string progress() const {
+    if (!backwards_.empty()) return "BACKWARDS in " + backwards_;
+    for (const auto& [step, share] : shares_)
+      if (share < 1) return fmt::format("{} ends at {:.2f}", step, share);
+    return shares_.empty() ? "NONE" : "ends";
+  }
+
+ private:
+  std::mutex mutex_;
+  Clock::time_point start_, last_;
+  double longest_ = 0, at_ = 0;
+  std::string step_, where_, backwards_;
+  std::map<std::string, double> shares_;
+};
+
+/// One operation on an input of its own, made anew for each run.
+struct Case {
+  std::string name;
+  /// Makes the input and returns what runs on it, and what looks at it afterwards.
+  struct Job {
+    std::function<void(Context&)> run;
+    std::function<std::string()> check;
+  };
+  std::function<Job()> prepare;
+};
+
+struct Outcome {
+  bool cancelled = false;
+  double ms = 0;  ///< from the request, or without one from the start, to the return
+  std::string error;
+};
+
+/// Runs on a thread of its own; with a moment, cancels from this one then.
+Outcome run(const Case::Job& job, Context& context, std::optional<double> cancel_after_ms) {
+  Outcome outcome;
+  Clock::time_point start = Clock::now(), end;
+  std::thread worker([&] {
+    try {
+      job.run(context);
+    } catch (const Cancelled&) {
+      outcome.cancelled = true;
+    } catch (const std::exception& e) {
+      outcome.error = e.what();
+    }
+    end = Clock::now();
+  });
+  if (cancel_after_ms) {
+    std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::milli>(*cancel_after_ms)));
+    start = Clock::now();
+    context.cancel();
+  }
+  worker.join();
+  outcome.ms = ms_between(start, end);
+  return outcome;
+}
+
+void measure(const Case& what) {
+  double whole = 0;
+  std::string line, progress, after = "-";
+  {
+    const Case::Job job = what.prepare();
+    Context context;
+    Watch watch(context);
+    const Outcome outcome = run(job, context, std::nullopt);
+    watch.look();
+    if (!outcome.error.empty()) {
+      fmt::print("{:44} {}\n", what.name, outcome.error);
+      return;
+    }
+    whole = outcome.ms;
+    progress = watch.progress();
+    line = fmt::format("{:44} {:8.2f} {:7.0f} {:34}", what.name, whole / 1000, watch.longest(), watch.where());
+  }
+  double worst = 0;
+  for (const double moment : moments) {
+    double longest = -1;
+    for (std::int64_t i = environment("TRI_BENCH_REPEATS", 1); i > 0; --i) {
+      const Case::Job job = what.prepare();
+      Context context;
+      const Outcome outcome = run(job, context, moment * whole);
+      if (!outcome.error.empty()) after = outcome.error;
+      if (!outcome.cancelled) continue;
+      longest = std::max(longest, outcome.ms);
+      if (const std::string state = job.check(); after == "-" || (state != "valid" && state != "as it was")) after = state;
+    }
+    worst = std::max(worst, longest);
+    line += longest < 0 ? "     -" : fmt::format(" {:5.0f}", longest);
+  }
+  fmt::print("{} {:6.0f}  {}; {}{}\n", line, worst, after, progress, worst > 100 ? "  OVER" : "");
+  std::fflush(stdout);
+}
+
+/// What an operator is given to have work on a mesh of two million faces.
+struct Work {
+  const char* name;
+  const char* options = "{}";
+  const char* variant = "";
+};
+constexpr Work works[] = {
+    {"decimate"},
+    {"decimate", R"({"ratio": 0.02})", "to 2%"},
+    {"fair", R"({"region": "region"})"},
+    {"fill-holes"},
+    {"fill-holes", R"({"refine": true, "fair": "tangent"})", "fair"},
+    {"flip-diagonals"},
+    {"flip-diagonals", R"({"criterion": "delaunay"})", "delaunay"},
+    {"flip-diagonals", R"({"criterion": "curvature"})", "curvature"},
+    {"remesh"},
+    {"remesh", R"({"adaptive": true, "max-error": 0.01, "length": 0.5})", "adaptive"},
+    {"remove-components", R"({"min-triangles": 10})"},
+    {"remove-redundant", R"({"max-length": 0.3})"},
+    {"resolve-t-junctions"},
+    {"smooth"},
+    {"smooth", R"({"method": "cotangent"})", "cotangent"},
+    {"stitch-boundaries", R"({"tolerance": 0.01})"},
+    {"subdivide", R"({"scheme": "butterfly"})", "butterfly"},
+    {"thin", R"({"voxel": 0.3})"},
+    {"weld", R"({"tolerance": 0.001})", "tolerance"},
+};
+
+std::uint32_t cells() {
+  return static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(environment("TRI_BENCH_FACES", 2'000'000)) / 2)));
+}
+
+const Soup& damaged() {
+  static const Soup soup = damaged_torus(cells());
+  return soup;
+}
+
+/// With holes, gaps, some elements marked as deleted, and a region of vertices; `from` the damaged soup for soup operators.
+const Mesh& with_holes() {
+  static const std::unique_ptr<BuiltMesh> built = [] {
+    Context context;
+    auto made = std::make_unique<BuiltMesh>(build_mesh(torus_with_holes(cells()), context));
+    Mesh& mesh = made->mesh;
+    mesh.request_face_status();
+    mesh.request_edge_status();
+    mesh.request_halfedge_status();
+    mesh.request_vertex_status();
+    const auto inner = [&](FaceHandle f) {
+      for (auto v = mesh.cfv_iter(f); v.is_valid(); ++v)
+        if (mesh.is_boundary(*v)) return false;
+      return true;
+    };
+    for (int f = 5; f < static_cast<int>(mesh.n_faces()); f += 1000)
+      if (inner(FaceHandle(f))) mesh.delete_face(FaceHandle(f), true);
+    OpenMesh::VPropHandleT<int> region;
+    mesh.add_property(region, "region");
+    for (int v = 0; v < static_cast<int>(mesh.n_vertices()); ++v)  // a fifth of the torus, in eight patches
+      mesh.property(region, VertexHandle(v)) = v % (static_cast<int>(mesh.n_vertices()) / 8) < static_cast<int>(mesh.n_vertices()) / 40;
+    return made;
+  }();
+  return built->mesh;
+}
+
+const Mesh& from_damaged() {
+  static const std::unique_ptr<BuiltMesh> built = [] {
+    Context context;
+    auto made = std::make_unique<BuiltMesh>(build_mesh(damaged(), context));
+    made->mesh.request_face_status();
+    made->mesh.request_edge_status();
+    made->mesh.request_halfedge_status();
+    made->mesh.request_vertex_status();
+    return made;
+  }();
+  return built->mesh;
+}
+
+std::string state_of(const OpenMesh::TriConnectivity& mesh) {
+  const auto problems = tri::test::mesh_problems(mesh);
+  return problems.empty() ? "valid" : "BROKEN: " + problems.front();
+}
+
+bool same(const Soup& a, const Soup& b) {
+  return a.points == b.points && a.triangles == b.triangles && a.vertex_scalars == b.vertex_scalars && a.face_scalars == b.face_scalars;
+}
+
+using Options = std::shared_ptr<void>;
+
+Case on_soup(const std::string& name, const std::function<void(Soup&, Context&)>& run) {
+  return {name, [run] {
+            auto soup = std::make_shared<Soup>(damaged());
+            return Case::Job{[soup, run](Context& c) { run(*soup, c); },
+                             [soup] { return same(*soup, damaged()) ? "as it was" : "CHANGED"; }};
+          }};
+}
+
+Case on_mesh(const std::string& name, const Mesh& (*input)(), const Operator& op, const Options& options, bool recorded) {
+  return {name, [input, &op, options, recorded] {
+            auto mesh = std::make_shared<Mesh>(input());
+            const auto run = [mesh, &op, options, recorded](Context& c) {
+              if (recorded)
+                record(view_of(*mesh), [&](MeshView view) { return op.run(view, options.get(), c); }, Recording::undoable, &c);
+              else
+                op.run(view_of(*mesh), options.get(), c);
+            };
+            const auto check = [mesh, input, recorded]() -> std::string {
+              if (!recorded) return state_of(*mesh);
+              Mesh before = input();
+              return tri::test::snapshot(view_of(*mesh)) == tri::test::snapshot(view_of(before)) ? "as it was" : "CHANGED";
+            };
+            return Case::Job{run, check};
+          }};
+}
+
+Case conversion(const Operator& op, const Options& options) {
+  const bool from_soup = op.domain() == Domain::soup;
+  return {op.name(), [&op, options, from_soup] {
+            auto geometry = std::make_shared<Geometry>();
+            if (from_soup)
+              *geometry = damaged();
+            else
+              geometry->emplace<Mesh>(with_holes());
+            return Case::Job{[geometry, &op, options](Context& c) { op.run(*geometry, options.get(), c); },
+                             [geometry, from_soup]() -> std::string {
+                               if (!from_soup) return state_of(std::get<Mesh>(*geometry));
+                               return same(std::get<Soup>(*geometry), damaged()) ? "as it was" : "CHANGED";
+                             }};
+          }};
+}
+
+Case on_points(const std::string& name, const Operator& op, const Options& options) {
+  return {name, [&op, options] {
+            auto points = std::make_shared<PointSet>();
+            points->points = damaged().points;
+            return Case::Job{[points, &op, options](Context& c) { op.run(*points, options.get(), c); },
+                             [points] { return points->points == damaged().points ? "as it was" : "CHANGED"; }};
+          }};
+}
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const auto& op : Registry::standard().operators()) {
+    std::vector<Work> variants;
+    for (const Work& w : works)
+      if (op->name() == w.name) variants.push_back(w);
+    if (variants.empty()) variants.push_back({op->name().c_str()});
+    for (const Work& w : variants) {
+      const Options options = op->schema().make();
+      const Json wanted = Json::parse(w.options);
+      for (const auto& [key, value] : wanted.items()) op->schema().set_json(options.get(), key, value);
+      const std::string name = *w.variant ? op->name() + " " + w.variant : op->name();
+      if (op->domain() != op->result()) {
+        cases.push_back(conversion(*op, options));
+      } else if (op->domain() == Domain::points) {
+        cases.push_back(on_points(name, *op, options));
+      } else {
+        if (op->domain() == Domain::soup)
+          cases.push_back(on_soup(name, [op, options](Soup& s, Context& c) { op->run(s, options.get(), c); }));
+        const auto input = op->domain() == Domain::soup ? from_damaged : with_holes;
+        cases.push_back(on_mesh(name + (op->domain() == Domain::soup ? " (mesh)" : ""), input, *op, options, false));
+        cases.push_back(on_mesh(name + " (recorded)", input, *op, options, true));
+      }
+    }
+  }
+  for (const auto& [name, goal] : {std::pair{"repair solid", RepairGoal::solid}, {"repair surface", RepairGoal::surface}})
+    cases.push_back(on_soup(name, [goal](Soup& s, Context& c) { repair(s, {.goal = goal}, c); }));
+  return cases;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> wanted(argv + 1, argv + argc);
+  fmt::print("{:44} {:>8} {:>7} {:34}", "", "run s", "silence", "in");
+  for (const double moment : moments) fmt::print(" {:4.0f}%", 100 * moment);
+  fmt::print("  worst  after; progress\n");
+  for (const Case& c : all_cases())
+    if (wanted.empty() || std::ranges::any_of(wanted, [&](const std::string& w) { return c.name.starts_with(w); })) measure(c);
+}
