@@ -146,6 +146,24 @@ TEST_CASE("histogram_svg: a bar for each bin that is not empty, as high as its c
   CHECK(count(svg, "tolerance</title>") == 2);
 }
 
+TEST_CASE("histogram_svg: the numbers of the axis stand apart and differ, however narrow or wide the range") {
+  for (const double half : {1e-15, 3e-7, 0.00012, 0.1, 7.0, 12345.0}) {
+    CAPTURE(half);
+    const Histogram h{-half, half, {1, 0, 2}, 0, 0};
+    const std::string svg = histogram_svg(h, {-half, half, false}, std::nullopt, "mm");
+    const std::regex label(R"re(<text x="([0-9.]+)" y="213" class="middle">([^<]*)</text>)re");
+    std::vector<std::pair<double, std::string>> labels;
+    for (std::sregex_iterator it(svg.begin(), svg.end(), label), end; it != end; ++it)
+      labels.emplace_back(std::stod((*it)[1]), (*it)[2]);
+    REQUIRE(labels.size() >= 3);
+    for (std::size_t i = 1; i < labels.size(); ++i) {
+      const double letters = static_cast<double>(labels[i].second.size() + labels[i - 1].second.size()) / 2;
+      CHECK(labels[i].first - labels[i - 1].first > 6.5 * letters);  // a digit of 12 px text is 6.7 px wide
+      CHECK(labels[i].second != labels[i - 1].second);
+    }
+  }
+}
+
 TEST_CASE("html_page: one file that refers to nothing outside and holds every triangle") {
   const Soup soup = sheet(4);
   const std::string page = page_of(report_of(soup));

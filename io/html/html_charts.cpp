@@ -25,16 +25,21 @@ std::vector<double> ticks(double low, double high, int wanted) {
   return result;
 }
 
-// As few decimals as tell round numbers apart.
-int tick_decimals(const std::vector<double>& values) {
-  for (int decimals = 0; decimals < 9; ++decimals) {
+// Texts of round numbers, with as few decimals as tell them apart; with an exponent where that would be many.
+std::vector<std::string> tick_texts(const std::vector<double>& values) {
+  constexpr int most_decimals = 6;
+  std::vector<std::string> texts;
+  for (int decimals = 0; decimals <= most_decimals; ++decimals) {
     const double power = std::pow(10.0, decimals);
-    if (std::all_of(values.begin(), values.end(), [&](double v) {
+    if (!std::all_of(values.begin(), values.end(), [&](double v) {
           return std::abs(v * power - std::round(v * power)) < 1e-6 * std::max(1.0, std::abs(v * power));
         }))
-      return decimals;
+      continue;
+    for (const double v : values) texts.push_back(signed_text(v, decimals));
+    return texts;
   }
-  return 9;
+  for (const double v : values) texts.push_back(v == 0 ? "0" : fmt::format("{:+.1e}", v));
+  return texts;
 }
 
 std::string with_thousands(double value) {
@@ -69,14 +74,15 @@ std::string legend_svg(const DeviationScale& scale, const std::string& unit) {
                 [&](double v) { return std::min(v - scale.low, scale.high - v) < 0.06 * (scale.high - scale.low); });
   values.push_back(scale.low);
   values.push_back(scale.high);
-  const int decimals = tick_decimals(values);
-  for (const double v : values) {
+  const std::vector<std::string> texts = tick_texts(values);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double v = values[i];
     const double y = top + height * (scale.high - v) / (scale.high - scale.low);
     const bool end = v == scale.low || v == scale.high;
     svg += fmt::format(R"(<line x1="{0:.0f}" x2="{1:.0f}" y1="{2:.2f}" y2="{2:.2f}" stroke="{3}"/>)", left + width,
                        left + width + 5, y, ink);
     svg += fmt::format(R"(<text x="{:.0f}" y="{:.2f}"{}>{}</text>)", left + width + 9, y + 4,
-                       end ? R"( class="end")" : "", signed_text(v, decimals));
+                       end ? R"( class="end")" : "", texts[i]);
   }
   svg += fmt::format(R"(<rect x="{:.0f}" y="{:.0f}" width="{:.0f}" height="{:.0f}" fill="none" stroke="{}"/>)", left,
                      top, width, height, ink);
@@ -126,13 +132,22 @@ std::string histogram_svg(const Histogram& histogram, const DeviationScale& scal
   }
   svg += fmt::format(R"(<line x1="{0:.0f}" x2="{1:.0f}" y1="{2:.0f}" y2="{2:.0f}" stroke="{3}"/>)", left, left + width,
                      top + height, ink);
-  const std::vector<double> values = ticks(histogram.low, histogram.high, 7);
-  const int decimals = tick_decimals(values);
-  for (const double v : values) {
+  std::vector<double> values;
+  std::vector<std::string> texts;
+  for (const int wanted : {7, 5, 3}) {  // as many as stand side by side
+    constexpr double letter = 7, gap = 10;
+    values = ticks(histogram.low, histogram.high, wanted);
+    texts = tick_texts(values);
+    std::size_t longest = 0;
+    for (const std::string& text : texts) longest = std::max(longest, text.size());
+    if ((letter * static_cast<double>(longest) + gap) * static_cast<double>(values.size()) <= width) break;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double v = values[i];
     svg += fmt::format(R"(<line x1="{0:.2f}" x2="{0:.2f}" y1="{1:.0f}" y2="{2:.0f}" stroke="{3}"/>)", x_of(v),
                        top + height, top + height + 4, ink);
     svg += fmt::format(R"(<text x="{:.2f}" y="{:.0f}" class="middle">{}</text>)", x_of(v), top + height + 17,
-                       signed_text(v, decimals));
+                       texts[i]);
   }
   const auto mark = [&](double v, const char* color, const char* dash, const char* text) {
     if (v < histogram.low || v > histogram.high) return;
