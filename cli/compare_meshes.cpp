@@ -76,7 +76,7 @@ std::string meshes_text(const Meshes& m) {
   return text + scale_note(m.scale, "mm") + "\n";
 }
 
-void add_figures(HtmlReport& page, const Meshes& m) {
+void add_mesh_figures(HtmlReport& page, const Meshes& m) {
   const MeshDistance& d = m.distance;
   const ValueStatistics& s = m.at_vertices;
   if (m.options.tolerance)
@@ -158,7 +158,7 @@ HtmlReport meshes_page(const Meshes& m) {
   page.scale_note =
       fmt::format("Signed distance of the vertices of {} from {}, positive on the side that its triangles face. {}",
                   file_name(m.a()), file_name(m.b()), scale_note(m.scale, "mm"));
-  add_figures(page, m);
+  add_mesh_figures(page, m);
   page.histogram = histogram_to_show(m.distance.forward.vertices, m.scale);
   page.mean = m.at_vertices.mean;
   add_spots(page, m);

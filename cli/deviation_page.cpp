@@ -11,13 +11,6 @@
 namespace tri::cli {
 namespace {
 
-const char* name_of_one(const DeviationReport& r) {
-  return r.triangles > 0 ? "vertex" : "point";
-}
-const char* name_of_many(const DeviationReport& r) {
-  return r.triangles > 0 ? "vertices" : "points";
-}
-
 HtmlTable face_table(const DeviationReport& r, int decimals) {
   const bool tolerance = r.options.tolerance.has_value();
   HtmlTable table;

@@ -24,10 +24,6 @@ std::string csv_numbers(const ValueStatistics& s, bool tolerance) {
          fmt::format("{},{}", s.in_tolerance, static_cast<double>(s.in_tolerance) / static_cast<double>(s.count));
 }
 
-const char* name_of_one(const DeviationReport& r) {
-  return r.triangles > 0 ? "vertex" : "point";
-}
-
 std::string row(const std::string& name, const ValueStatistics& s, int decimals, bool tolerance,
                 const std::string& behind) {
   std::string text = fmt::format("{:>8} {:>10}", name, with_commas(s.count));

@@ -8,7 +8,7 @@ namespace tri {
 namespace {
 
 template <class Json>
-std::string text_of(const Json& value) {
+std::string indented(const Json& value) {
   // File names from a command line need not be UTF-8; they must not keep a report from being written.
   return value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -26,10 +26,10 @@ nlohmann::json read_json(const std::string& path) {
 }
 
 void write_json(const std::string& path, const nlohmann::json& value) {
-  write_file(path, text_of(value));
+  write_file(path, indented(value));
 }
 void write_json(const std::string& path, const nlohmann::ordered_json& value) {
-  write_file(path, text_of(value));
+  write_file(path, indented(value));
 }
 
 }  // namespace tri

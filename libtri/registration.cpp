@@ -16,6 +16,7 @@
 #include "libtri/surfaces/curve_piece.hpp"
 #include "libtri/surfaces/surface_patch.hpp"
 #include "libtri/triangulation/point_order.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/random_stream.hpp"
 #include "meshops/search/box_tree.hpp"
 
@@ -23,9 +24,7 @@ namespace tri {
 
 namespace {
 
-constexpr std::size_t block_size = 4096;
-constexpr std::uint32_t none = 0xffffffffu;
-
+constexpr std::size_t registration_block = 4096;
 // A curve shared by two faces is searched once where both say the same within this share of the diagonal.
 constexpr double same_curve = 2e-8;
 // Pieces that could better a distance by less than this share of the diagonal are not looked into.
@@ -55,21 +54,21 @@ struct Registration::Impl {
   // What one thread needs beside the model.
   struct Search {
     explicit Search(const Impl& impl_in) : impl(impl_in), seen(impl_in.model.faces.size(), 0) {}
-    Candidate closest(const Vec3& p);
+    FootCandidate closest(const Vec3& p);
     /// Gathers the items that matter for every point in the box; false if they are too many to be worth it.
     /// @param inside    a point in the box, whose distance from the model is `distance`
     bool gather(const Vec3& box_low, const Vec3& box_high, double distance);
     /// As `closest`, among the items gathered.
-    Candidate closest_gathered(const Vec3& p);
-    void begin(const Vec3& p, Candidate& best);
+    FootCandidate closest_gathered(const Vec3& p);
+    void begin(const Vec3& p, FootCandidate& best);
     /// The feet of a few points that are near one another.
     void register_group(std::span<const Vec3> points, std::span<const std::uint32_t> group, std::vector<Foot>& feet);
-    void visit(std::uint32_t item, const Vec3& p, Candidate& best);
+    void visit(std::uint32_t item, const Vec3& p, FootCandidate& best);
 
     const Impl& impl;
     std::vector<std::uint32_t> seen;  // per face: the last point whose closed-form feet were tried
     std::uint32_t serial = 0;
-    std::uint32_t warm = none;
+    std::uint32_t warm = no_index;
     std::vector<std::uint32_t> gathered;
   };
 
@@ -80,7 +79,7 @@ struct Registration::Impl {
                                             : pieces[item - patch_count].lower_bound(p) - tie;
     return least > 0 ? static_cast<float>(least) * (1 - 1e-6f) : 0;
   }
-  Foot finish(const Vec3& p, Candidate c) const;
+  Foot finish(const Vec3& p, FootCandidate c) const;
 
   CadModel model;  // without polylines
   double diagonal = 0;
@@ -250,7 +249,7 @@ bool Registration::Impl::repeats(std::uint32_t index) const {
   return false;
 }
 
-void Registration::Impl::Search::visit(std::uint32_t item, const Vec3& p, Candidate& best) {
+void Registration::Impl::Search::visit(std::uint32_t item, const Vec3& p, FootCandidate& best) {
   const auto patch_count = static_cast<std::uint32_t>(impl.patches.size());
   if (item >= patch_count) {
     const CurvePiece& piece = impl.pieces[item - patch_count];
@@ -273,13 +272,13 @@ void Registration::Impl::Search::visit(std::uint32_t item, const Vec3& p, Candid
                    best);
 }
 
-void Registration::Impl::Search::begin(const Vec3& p, Candidate& best) {
+void Registration::Impl::Search::begin(const Vec3& p, FootCandidate& best) {
   best.tie = impl.tie;
   best.faces = impl.model.faces.data();
   best.chance = 0;
   for (int k = 0; k < 3; ++k) best.chance = mix_bits(best.chance ^ std::bit_cast<std::uint64_t>(p[k] + 0.0));
   ++serial;
-  if (warm != none) visit(warm, p, best);
+  if (warm != no_index) visit(warm, p, best);
 }
 
 bool Registration::Impl::Search::gather(const Vec3& box_low, const Vec3& box_high, double distance) {
@@ -296,18 +295,18 @@ bool Registration::Impl::Search::gather(const Vec3& box_low, const Vec3& box_hig
   return gathered.size() <= most_gathered;
 }
 
-Candidate Registration::Impl::Search::closest_gathered(const Vec3& p) {
-  Candidate best;
+FootCandidate Registration::Impl::Search::closest_gathered(const Vec3& p) {
+  FootCandidate best;
   const std::uint32_t first = warm;
   begin(p, best);
   for (const std::uint32_t item : gathered)
     if (item != first) visit(item, p, best);
-  warm = std::isfinite(best.distance) ? best.item : none;
+  warm = std::isfinite(best.distance) ? best.item : no_index;
   return best;
 }
 
-Candidate Registration::Impl::Search::closest(const Vec3& p) {
-  Candidate best;
+FootCandidate Registration::Impl::Search::closest(const Vec3& p) {
+  FootCandidate best;
   const std::uint32_t first = warm;
   begin(p, best);
   const auto limit = [&] { return best.distance + impl.tie; };
@@ -322,7 +321,7 @@ Candidate Registration::Impl::Search::closest(const Vec3& p) {
     ++serial;
     for (std::uint32_t item = 0; item < items; ++item) visit(item, p, best);
   }
-  warm = std::isfinite(best.distance) ? best.item : none;
+  warm = std::isfinite(best.distance) ? best.item : no_index;
   return best;
 }
 
@@ -337,7 +336,7 @@ void Registration::Impl::Search::register_group(std::span<const Vec3> points, st
   for (const std::uint32_t i : group) {
     const Vec3& p = points[i];
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
-    const Candidate c = few ? closest_gathered(p) : closest(p);
+    const FootCandidate c = few ? closest_gathered(p) : closest(p);
     feet[i] = impl.finish(p, c);
     if (first && (box_high - box_low).norm() < gathered_share * impl.diagonal)
       few = gather(box_low, box_high, c.distance);
@@ -345,10 +344,10 @@ void Registration::Impl::Search::register_group(std::span<const Vec3> points, st
   }
 }
 
-Foot Registration::Impl::finish(const Vec3& p, Candidate c) const {
+Foot Registration::Impl::finish(const Vec3& p, FootCandidate c) const {
   Foot foot;
   if (!std::isfinite(c.distance)) return foot;
-  std::uint32_t curve = none;
+  std::uint32_t curve = no_index;
   if (c.on_curve) {
     curve = pieces[c.item - patches.size()].curve;
     if (curves[curve].boundary) {
@@ -382,7 +381,7 @@ Foot Registration::Impl::finish(const Vec3& p, Candidate c) const {
     normal = outward_normal(face, regions[c.face], c.uv);
   }
   Vec3 side = normal;
-  if (curve != none) {
+  if (curve != no_index) {
     side = pseudo_normals.at(model, regions, curves, curve, c.t);
     if (curves[curve].point && side.norm() > 1e-3) normal = side / side.norm();
   }
@@ -391,7 +390,7 @@ Foot Registration::Impl::finish(const Vec3& p, Candidate c) const {
   foot.deviation = ((p - c.foot) | side) < 0 ? -c.distance : c.distance;
   for (int k = 0; k < 3; ++k) foot.normal[k] = static_cast<float>(normal[k]);
   foot.face = static_cast<std::int32_t>(c.face);
-  if (curve != none && curves[curve].boundary) foot.edge = curves[curve].edge;
+  if (curve != no_index && curves[curve].boundary) foot.edge = curves[curve].edge;
   return foot;
 }
 
@@ -415,7 +414,7 @@ std::vector<Foot> Registration::register_points(std::span<const Vec3> points, Co
   context.checkpoint();
   context.progress("register", 0);
   const std::vector<std::uint32_t> order = order_of(points);
-  const std::size_t blocks = (points.size() + block_size - 1) / block_size;
+  const std::size_t blocks = (points.size() + registration_block - 1) / registration_block;
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};
   arena_of(context).execute([&] {
@@ -425,9 +424,9 @@ std::vector<Foot> Registration::register_points(std::span<const Vec3> points, Co
           Impl::Search search(impl);
           for (std::size_t block = range.begin(); block != range.end(); ++block) {
             // Each block starts anew, so that the result does not depend on which thread did what before.
-            search.warm = none;
-            const std::size_t end = std::min(points.size(), (block + 1) * block_size);
-            for (std::size_t k = block * block_size; k < end; k += group_size) {
+            search.warm = no_index;
+            const std::size_t end = std::min(points.size(), (block + 1) * registration_block);
+            for (std::size_t k = block * registration_block; k < end; k += group_size) {
               if (k % checkpoint_interval == 0) context.checkpoint();
               search.register_group(points, std::span(order).subspan(k, std::min(group_size, end - k)), feet);
             }

@@ -21,7 +21,7 @@
 namespace tri {
 namespace {
 
-constexpr std::int32_t none = SidePairs::none;
+constexpr std::int32_t no_side = SidePairs::none;
 constexpr std::size_t places_named = 10;
 
 void check_sizes(std::size_t points, std::span<const Triangle> triangles) {
@@ -116,7 +116,7 @@ void set_attributes(const Soup& soup, Mesh& mesh, const BuiltMesh& built, const 
 
 std::size_t count_edges(const SidePairs::Sides& twin) {
   std::size_t alone = 0;
-  for (const std::int32_t t : twin) alone += t == none;
+  for (const std::int32_t t : twin) alone += t == no_side;
   return (twin.size() + alone) / 2;
 }
 
@@ -140,7 +140,7 @@ void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::
   for_blocks([&](std::size_t block, std::size_t i) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t entry = twin[3 * i + k];
-      if (entry != none && entry < static_cast<std::int32_t>(3 * i)) continue;
+      if (entry != no_side && entry < static_cast<std::int32_t>(3 * i)) continue;
       owned[i] |= static_cast<std::uint8_t>(1 << k);
       ++edges[block + 1];
     }
@@ -154,7 +154,7 @@ void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::
       if ((owned[i] >> k & 1) == 0) continue;
       std::int32_t& entry = twin[3 * i + k];
       const HalfedgeHandle h(2 * edges[block]++), outside(h.idx() + 1);
-      if (entry == none) {
+      if (entry == no_side) {
         mesh.set_vertex_handle(outside, VertexHandle(static_cast<int>(triangles[i][k])));
         boundaries[block].push_back(outside);
       } else {
@@ -200,7 +200,7 @@ void note_places(Report& report, const Items& items, const std::string& what, co
     report.notes.push_back(fmt::format("{}: {} more", what, items.size() - places_named));
 }
 
-void set_figure(Report& report, const char* name, std::size_t count) {
+void set_repair_figure(Report& report, const char* name, std::size_t count) {
   if (count) report.figures[name] = static_cast<double>(count);
 }
 
@@ -209,11 +209,11 @@ void report_repairs(BuiltMesh& result) {
   Report& report = result.report;
   const auto triangle = [&](std::uint32_t f) { return result.triangle_of(FaceHandle(static_cast<int>(f))); };
   const auto edge = [](const std::array<std::uint32_t, 2>& ends) { return fmt::format("{} - {}", ends[0], ends[1]); };
-  set_figure(report, "triangles reversed", repairs.reversed_triangles.size());
-  set_figure(report, "edges split", repairs.crowded.size());
-  set_figure(report, "edges cut", repairs.cut.size());
-  set_figure(report, "vertices split", repairs.copied_points.size());
-  set_figure(report, "triangles detached", repairs.detached_triangles.size());
+  set_repair_figure(report, "triangles reversed", repairs.reversed_triangles.size());
+  set_repair_figure(report, "edges split", repairs.crowded.size());
+  set_repair_figure(report, "edges cut", repairs.cut.size());
+  set_repair_figure(report, "vertices split", repairs.copied_points.size());
+  set_repair_figure(report, "triangles detached", repairs.detached_triangles.size());
   note_places(report, repairs.reversed_triangles, "reversed triangle", triangle);
   note_places(report, repairs.crowded, "split edge of three or more triangles", edge);
   note_places(report, repairs.cut, "cut edge whose triangles run the same way", edge);
@@ -290,7 +290,7 @@ SidePairs::Sides twins_of_neighbors(std::span<const Triangle> triangles,
         // The side from corner k lies opposite corner k - 1.
         const std::int32_t other = neighbors[i][k == 0 ? 2 : k - 1];
         std::int32_t& entry = twin[3 * i + k];
-        entry = none;
+        entry = no_side;
         if (other == -1) continue;
         const std::uint32_t from = triangles[i][k], to = triangles[i][k == 2 ? 0 : k + 1];
         if (other >= 0 && other < static_cast<std::int32_t>(triangles.size())) {
@@ -299,7 +299,7 @@ SidePairs::Sides twins_of_neighbors(std::span<const Triangle> triangles,
                 neighbors[other][j == 0 ? 2 : j - 1] == static_cast<std::int32_t>(i))
               entry = 3 * other + j;
         }
-        if (entry != none) continue;
+        if (entry != no_side) continue;
         std::size_t least = first_misfit;
         while (3 * i + k < least && !first_misfit.compare_exchange_weak(least, 3 * i + k)) {
         }

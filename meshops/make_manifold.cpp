@@ -12,7 +12,7 @@ namespace {
 
 using Side = std::int32_t;
 using Group = std::vector<Side>;
-constexpr Side none = SidePairs::none;
+constexpr Side no_twin = SidePairs::none;
 
 std::uint32_t from_of(std::span<const Triangle> triangles, Side side) {
   return triangles[side / 3][side % 3];
@@ -33,7 +33,7 @@ std::array<std::uint32_t, 2> edge_of(std::span<const Triangle> triangles, Side s
 std::vector<std::uint32_t> triangles_to_reverse(std::span<const Triangle> triangles, const SidePairs& pairs,
                                                 Context& context) {
   Pace pace(context);
-  std::vector<Side> partner(pairs.twin.size(), none);
+  std::vector<Side> partner(pairs.twin.size(), no_twin);
   std::vector<char> same(pairs.twin.size());
   for (const auto& [a, b] : pairs.same_way) {
     if (opposite_of(triangles, a) == opposite_of(triangles, b)) continue;
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> triangles_to_reverse(std::span<const Triangle> triang
       reversed += static_cast<std::size_t>(reverse[t]);
       for (Side side = static_cast<Side>(3 * t); side < static_cast<Side>(3 * t + 3); ++side) {
         const Side other = same[side] ? partner[side] : pairs.twin[side];
-        if (other == none || reverse[other / 3] != unseen) continue;
+        if (other == no_twin || reverse[other / 3] != unseen) continue;
         reverse[other / 3] = static_cast<char>(reverse[t] ^ same[side]);
         component.push_back(static_cast<std::uint32_t>(other / 3));
       }
@@ -74,9 +74,9 @@ void turn_around(std::vector<Triangle>& triangles, const std::vector<std::uint32
 }
 
 void cut(SidePairs& pairs, Side side) {
-  if (pairs.twin[side] == none) return;
-  pairs.twin[pairs.twin[side]] = none;
-  pairs.twin[side] = none;
+  if (pairs.twin[side] == no_twin) return;
+  pairs.twin[pairs.twin[side]] = no_twin;
+  pairs.twin[side] = no_twin;
 }
 
 /// Gives every fan but the first of each vertex in `vertices` a copy of the vertex. Copies are numbered from
@@ -100,7 +100,7 @@ void split_vertices(std::vector<Triangle>& triangles, std::size_t points, const 
       pace();
       if (seen[corner]) continue;
       Side start = corner;  // clockwise to the first triangle of an open fan, or once around
-      while (pairs.twin[start] != none) {
+      while (pairs.twin[start] != no_twin) {
         const Side before = SidePairs::next(pairs.twin[start]);
         if (before == corner) break;
         start = before;
@@ -111,7 +111,7 @@ void split_vertices(std::vector<Triangle>& triangles, std::size_t points, const 
         copies.push_back(v);
       }
       first = false;
-      for (Side side = start; side != none && !seen[side]; side = pairs.twin[SidePairs::previous(side)]) {
+      for (Side side = start; side != no_twin && !seen[side]; side = pairs.twin[SidePairs::previous(side)]) {
         seen[side] = 1;
         triangles[side / 3][side % 3] = name;
       }

@@ -10,13 +10,12 @@
 #include <optional>
 
 #include "meshops/error.hpp"
+#include "meshops/limits.hpp"
 
 namespace tri {
 namespace {
 
 using Type = OptionInfo::Type;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::string_view type_name(Type type) {
   switch (type) {

@@ -34,7 +34,7 @@ constexpr double stitched_share = 0.02;  ///< of the deviation that is allowed: 
 constexpr const char* undone_name = "beyond max-deviation, undone";
 constexpr double left_for_later = 0.45;  ///< of it: for each of two steps that follow
 
-double diagonal(const Soup& soup) {
+double soup_diagonal(const Soup& soup) {
   Vec3 low = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity(), high = -low;
   for (const Triangle& t : soup.triangles)
     for (const std::uint32_t v : t) low.minimize(soup.points[v]), high.maximize(soup.points[v]);
@@ -90,7 +90,7 @@ class Repairer {
  public:
   /// @param watched  every step that may move the surface is undone where it does by more than it may
   Repairer(const Soup& given, const RepairOptions& options, bool watched, Context& context)
-      : given_(given), options_(options), watched_(watched), context_(context), work_(given), size_(diagonal(given)) {}
+      : given_(given), options_(options), watched_(watched), context_(context), work_(given), size_(soup_diagonal(given)) {}
 
   void run() {
     const double farthest = options_.max_deviation * size_;
@@ -205,7 +205,7 @@ class Repairer {
 
 RepairResult repair(Soup& soup, const RepairOptions& options, Context& context) {
   if (!(options.max_deviation >= 0 && options.max_deviation <= 0.1))
-    throw InvalidInput("max-deviation is a share of the diagonal: between 0 and 0.1");
+    throw InvalidInput("max-deviation is a share of the soup_diagonal: between 0 and 0.1");
   check_soup(soup);
   RepairResult result;
   if (options.goal != RepairGoal::surface && is_clean_solid(soup, options.single_precision, context) &&

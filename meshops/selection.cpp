@@ -9,11 +9,11 @@
 namespace tri {
 namespace {
 
-std::size_t index(OpenMesh::BaseHandle handle) { return static_cast<std::size_t>(handle.idx()); }
+std::size_t element_index(OpenMesh::BaseHandle handle) { return static_cast<std::size_t>(handle.idx()); }
 
 template <class Handle>
 void check(const OpenMesh::TriConnectivity& mesh, Handle handle, std::size_t count, const char* kind) {
-  if (!handle.is_valid() || index(handle) >= count)
+  if (!handle.is_valid() || element_index(handle) >= count)
     throw InvalidInput(fmt::format("selection: {} {} is not of this mesh, which has {}", kind, handle.idx(), count));
   bool deleted = false;
   if constexpr (std::is_same_v<Handle, FaceHandle>) deleted = mesh.has_face_status() && mesh.status(handle).deleted();
@@ -48,13 +48,13 @@ Selection Selection::of_faces(const OpenMesh::TriConnectivity& mesh, std::span<c
   Selection selection(mesh);
   for (const FaceHandle f : faces) {
     check(mesh, f, mesh.n_faces(), "face");
-    selection.faces_[index(f)] = 1;
-    for_each_corner(mesh, f, [&](VertexHandle v) { selection.vertices_[index(v)] = selection.rim_[index(v)] = 1; });
+    selection.faces_[element_index(f)] = 1;
+    for_each_corner(mesh, f, [&](VertexHandle v) { selection.vertices_[element_index(v)] = selection.rim_[element_index(v)] = 1; });
   }
   for (std::size_t i = 0; i < mesh.n_faces(); ++i) {
     const FaceHandle f(static_cast<int>(i));
     if (selection.faces_[i] || (mesh.has_face_status() && mesh.status(f).deleted())) continue;
-    for_each_corner(mesh, f, [&](VertexHandle v) { selection.vertices_[index(v)] = 0; });
+    for_each_corner(mesh, f, [&](VertexHandle v) { selection.vertices_[element_index(v)] = 0; });
   }
   return selection;
 }
@@ -63,13 +63,13 @@ Selection Selection::of_vertices(const OpenMesh::TriConnectivity& mesh, std::spa
   Selection selection(mesh);
   for (const VertexHandle v : vertices) {
     check(mesh, v, mesh.n_vertices(), "vertex");
-    selection.vertices_[index(v)] = selection.rim_[index(v)] = 1;
+    selection.vertices_[element_index(v)] = selection.rim_[element_index(v)] = 1;
   }
   for (std::size_t i = 0; i < mesh.n_faces(); ++i) {
     const FaceHandle f(static_cast<int>(i));
     if (mesh.has_face_status() && mesh.status(f).deleted()) continue;
     int chosen = 0;
-    for_each_corner(mesh, f, [&](VertexHandle v) { chosen += selection.vertices_[index(v)]; });
+    for_each_corner(mesh, f, [&](VertexHandle v) { chosen += selection.vertices_[element_index(v)]; });
     selection.faces_[i] = chosen == 3;
   }
   return selection;
@@ -84,7 +84,7 @@ Selection Selection::of_loops(const OpenMesh::TriConnectivity& mesh, std::span<c
       throw InvalidInput(fmt::format("selection: half-edge {} has a face and lies on no boundary loop", first.idx()));
     HalfedgeHandle h = first;
     do {
-      selection.loop_edges_[index(mesh.edge_handle(h))] = 1;
+      selection.loop_edges_[element_index(mesh.edge_handle(h))] = 1;
       h = mesh.next_halfedge_handle(h);
     } while (h != first);
   }

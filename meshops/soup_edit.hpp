@@ -17,6 +17,10 @@ void check_soup(const Soup& soup, const Context* context = nullptr);
 /// True if the triangle names a vertex twice.
 inline bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
+/// Whether an even number of swaps sorts the corners; of two triangles with the same corners, whether they face the same
+/// way is whether this is the same.
+inline bool is_even(const Triangle& t) { return (t[0] < t[1]) == ((t[1] < t[2]) == (t[0] < t[2])); }
+
 /// Twice the area of a triangle, as a vector in the direction of its normal.
 inline Vec3 area_vector(const Soup& soup, const Triangle& t) {
   return (soup.points[t[1]] - soup.points[t[0]]) % (soup.points[t[2]] - soup.points[t[0]]);

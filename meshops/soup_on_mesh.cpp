@@ -13,6 +13,7 @@
 #include "meshops/editing/mesh_edit.hpp"
 #include "meshops/editing/new_values.hpp"
 #include "meshops/error.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/pace.hpp"
 #include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/soup_edit.hpp"
@@ -25,13 +26,11 @@ namespace {
 constexpr const char* vertex_mark = "vertex of the mesh ";
 constexpr const char* face_mark = "face of the mesh ";
 
-constexpr std::uint32_t none = 0xffffffff;
-
-std::size_t index(OpenMesh::BaseHandle handle) { return static_cast<std::size_t>(handle.idx()); }
+std::size_t slot_of(OpenMesh::BaseHandle handle) { return static_cast<std::size_t>(handle.idx()); }
 
 using Corners = std::array<VertexHandle, 3>;
 
-Corners corners_of(const OpenMesh::TriConnectivity& mesh, FaceHandle f) {
+Corners vertices_of(const OpenMesh::TriConnectivity& mesh, FaceHandle f) {
   const HalfedgeHandle h = mesh.halfedge_handle(f), next = mesh.next_halfedge_handle(h);
   return {mesh.to_vertex_handle(h), mesh.to_vertex_handle(next), mesh.to_vertex_handle(mesh.next_halfedge_handle(next))};
 }
@@ -68,9 +67,9 @@ Soup marked_part(MeshView view, const Context& context) {
   return soup;
 }
 
-/// What a mark says: the index, or none where the operator mixed marks or made the element from nothing.
+/// What a mark says: the index, or `no_index` where the operator mixed marks or made the element from nothing.
 std::uint32_t read_mark(double mark, std::size_t count) {
-  return mark >= 0 && mark < static_cast<double>(count) && mark == std::floor(mark) ? static_cast<std::uint32_t>(mark) : none;
+  return mark >= 0 && mark < static_cast<double>(count) && mark == std::floor(mark) ? static_cast<std::uint32_t>(mark) : no_index;
 }
 
 /// Puts what became of the part into the mesh.
@@ -113,7 +112,7 @@ class Replacement {
       for (std::size_t i = 0; i < made_.n_vertices(); ++i, pace_()) {
         const VertexHandle w(static_cast<int>(i));
         const std::uint32_t mark = read_mark(made_.property(vertex_of_, w), vertices_);
-        if (mark == none || taken_[mark] || handle_[i].is_valid()) continue;
+        if (mark == no_index || taken_[mark] || handle_[i].is_valid()) continue;
         const VertexHandle v(static_cast<int>(mark));
         if (moved ? !view_.may_move(v) : view_.point(v) != made_.point(w)) continue;
         handle_[i] = v;
@@ -127,10 +126,10 @@ class Replacement {
     for (std::size_t i = 0; i < made_.n_faces(); ++i, pace_()) {
       const FaceHandle g(static_cast<int>(i));
       const std::uint32_t mark = read_mark(made_.property(face_of_, g), faces_);
-      const Corners now = corners_of(made_, g);
-      const bool known = mark != none && !stays_[mark] &&
-                         same_cycle({handle_[index(now[0])], handle_[index(now[1])], handle_[index(now[2])]},
-                                    corners_of(mesh_, FaceHandle(static_cast<int>(mark))));
+      const Corners now = vertices_of(made_, g);
+      const bool known = mark != no_index && !stays_[mark] &&
+                         same_cycle({handle_[slot_of(now[0])], handle_[slot_of(now[1])], handle_[slot_of(now[2])]},
+                                    vertices_of(mesh_, FaceHandle(static_cast<int>(mark))));
       if (known)
         stays_[mark] = 1;
       else
@@ -142,8 +141,8 @@ class Replacement {
     // What new elements inherit from deleted ones is looked up before.
     for (const FaceHandle g : new_faces_) {
       pace_();
-      for (const VertexHandle w : corners_of(made_, g))
-        if (!handle_[index(w)].is_valid()) sources_.emplace(index(w), sources_of(w, g));
+      for (const VertexHandle w : vertices_of(made_, g))
+        if (!handle_[slot_of(w)].is_valid()) sources_.emplace(slot_of(w), sources_of(w, g));
     }
     for (std::size_t i = 0; i < faces_; ++i, pace_()) {
       const FaceHandle f(static_cast<int>(i));
@@ -166,11 +165,11 @@ class Replacement {
 
   std::vector<VertexSource> sources_of(VertexHandle w, FaceHandle g) const {
     const std::uint32_t copy = read_mark(made_.property(vertex_of_, w), vertices_);
-    if (copy != none && view_.point(VertexHandle(static_cast<int>(copy))) == made_.point(w))
+    if (copy != no_index && view_.point(VertexHandle(static_cast<int>(copy))) == made_.point(w))
       return {{VertexHandle(static_cast<int>(copy)), 1}};
     const std::uint32_t face = read_mark(made_.property(face_of_, g), faces_);
-    if (face == none) return {};
-    const Corners c = corners_of(mesh_, FaceHandle(static_cast<int>(face)));
+    if (face == no_index) return {};
+    const Corners c = vertices_of(mesh_, FaceHandle(static_cast<int>(face)));
     const auto weights = barycentric(made_.point(w), view_.point(c[0]), view_.point(c[1]), view_.point(c[2]));
     return {{c[0], weights[0]}, {c[1], weights[1]}, {c[2], weights[2]}};
   }
@@ -187,8 +186,8 @@ class Replacement {
   void place_vertices() {
     for (const VertexHandle w : moved_) {
       pace_();
-      set_point(view_, handle_[index(w)], made_.point(w));
-      report_.touched_vertices.push_back(static_cast<std::uint32_t>(handle_[index(w)].idx()));
+      set_point(view_, handle_[slot_of(w)], made_.point(w));
+      report_.touched_vertices.push_back(static_cast<std::uint32_t>(handle_[slot_of(w)].idx()));
     }
     for (std::size_t i = 0; i < made_.n_vertices(); ++i, pace_()) {
       if (handle_[i].is_valid()) continue;
@@ -203,8 +202,8 @@ class Replacement {
     std::vector<VertexTriple> triples;
     for (const FaceHandle g : new_faces_) {
       pace_();
-      const Corners c = corners_of(made_, g);
-      triples.push_back({handle_[index(c[0])], handle_[index(c[1])], handle_[index(c[2])]});
+      const Corners c = vertices_of(made_, g);
+      triples.push_back({handle_[slot_of(c[0])], handle_[slot_of(c[1])], handle_[slot_of(c[2])]});
     }
     std::vector<FaceHandle> added;
     if (const FitResult fit = add_faces(view_, triples, &added, &context_); fit != FitResult::fits)
@@ -212,7 +211,7 @@ class Replacement {
                          std::string(to_string(fit)) + "); select more of the mesh");
     for (std::size_t i = 0; i < added.size(); ++i, pace_()) {
       report_.touched_faces.push_back(static_cast<std::uint32_t>(added[i].idx()));
-      if (const std::uint32_t mark = read_mark(made_.property(face_of_, new_faces_[i]), faces_); mark != none)
+      if (const std::uint32_t mark = read_mark(made_.property(face_of_, new_faces_[i]), faces_); mark != no_index)
         inherit(added[i], FaceHandle(static_cast<int>(mark)));
       copy_corners(new_faces_[i], added[i]);
     }
@@ -235,7 +234,7 @@ class Replacement {
       HalfedgeHandle h = made_.halfedge_handle(from);
       for (int k = 0; k < 3; ++k, h = made_.next_halfedge_handle(h)) {
         HalfedgeHandle g = mesh_.halfedge_handle(to);
-        while (mesh_.to_vertex_handle(g) != handle_[index(made_.to_vertex_handle(h))]) g = mesh_.next_halfedge_handle(g);
+        while (mesh_.to_vertex_handle(g) != handle_[slot_of(made_.to_vertex_handle(h))]) g = mesh_.next_halfedge_handle(g);
         const double value = (*source)[h.idx()];
         about_to_set(view_, g);
         if (doubles)

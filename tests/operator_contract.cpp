@@ -22,7 +22,7 @@ using namespace tri::test;
 namespace {
 
 /// Inputs on which most operators find something to do.
-std::vector<std::pair<std::string, Mesh>> inputs() {
+std::vector<std::pair<std::string, Mesh>> mesh_inputs() {
   std::vector<std::pair<std::string, Mesh>> result;
   result.emplace_back("icosahedron", icosahedron());
   result.emplace_back("bumpy grid", bumpy_grid(9, 8));
@@ -41,7 +41,7 @@ struct MeshKind {
   using Value = Mesh;
   static constexpr Domain domain = Domain::mesh;
   static constexpr int cancel_threads = 0;
-  static std::vector<std::pair<std::string, Mesh>> inputs() { return ::inputs(); }
+  static std::vector<std::pair<std::string, Mesh>> inputs() { return ::mesh_inputs(); }
   static Mesh valid() { return bumpy_grid(4, 4); }
   static bool same(Mesh& a, Mesh& b) { return snapshot(view_of(a)) == snapshot(view_of(b)); }
   static void check_cancelled(Mesh& after, Mesh&) { CHECK_VALID_MESH(after); }
@@ -173,7 +173,7 @@ TEST_CASE("contract: recorded, undone, done again and cancelled, the mesh is as 
   });
   for (const Operator* op : mesh_operators()) {
     CAPTURE(op->name());
-    const Mesh gap = inputs().back().second;
+    const Mesh gap = mesh_inputs().back().second;
     check_undo<BareKernel>(*op, gap);
     check_undo<EigenKernel>(*op, gap);
   }

@@ -27,7 +27,7 @@ PointSet with_columns(std::vector<Vec3> points) {
   return set;
 }
 
-std::vector<std::pair<std::string, PointSet>> inputs() {
+std::vector<std::pair<std::string, PointSet>> point_inputs() {
   std::vector<std::pair<std::string, PointSet>> result;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> value(-4, 4);
@@ -53,8 +53,8 @@ struct PointsKind {
   using Value = PointSet;
   static constexpr Domain domain = Domain::points;
   static constexpr int cancel_threads = 1;
-  static std::vector<std::pair<std::string, PointSet>> inputs() { return ::inputs(); }
-  static PointSet valid() { return ::inputs()[0].second; }
+  static std::vector<std::pair<std::string, PointSet>> inputs() { return ::point_inputs(); }
+  static PointSet valid() { return ::point_inputs()[0].second; }
   static bool same(const PointSet& a, const PointSet& b) { return same_set(a, b); }
   static void check_cancelled(const PointSet& after, const PointSet& before) { CHECK(same_set(after, before)); }
 };
@@ -116,7 +116,7 @@ TEST_CASE("points contract: an option out of range is refused and nothing is tou
 TEST_CASE("points contract: an inconsistent set is refused") {
   for (const Operator* op : points_operators()) {
     CAPTURE(op->name());
-    const PointSet input = inputs()[0].second;
+    const PointSet input = point_inputs()[0].second;
     Context context;
     PointSet wrong_length = input, not_finite = input;
     wrong_length.colors.pop_back();

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,5 +18,14 @@ struct Outcome {
 /// @param interrupt_after_ms if positive, sends SIGINT after so many milliseconds
 Outcome run_tri(const std::vector<std::string>& arguments, const std::string& folder, const std::string& out_path = "",
                 int interrupt_after_ms = 0);
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// The JSON that the program printed; it has to have ended well.
+inline nlohmann::json parsed(const Outcome& outcome) {
+  CAPTURE(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  return nlohmann::json::parse(outcome.out);
+}
 
 }  // namespace tri::test

@@ -17,7 +17,7 @@ using namespace tri::test;
 namespace {
 
 /// Inputs on which most operators find something to do.
-std::vector<std::pair<std::string, Soup>> inputs() {
+std::vector<std::pair<std::string, Soup>> soup_inputs() {
   std::vector<std::pair<std::string, Soup>> result;
   const auto add = [&](const char* name, const Soup& soup) { result.emplace_back(name, with_attributes(soup)); };
   add("cube", cube());
@@ -56,7 +56,7 @@ struct SoupKind {
   using Value = Soup;
   static constexpr Domain domain = Domain::soup;
   static constexpr int cancel_threads = 0;
-  static std::vector<std::pair<std::string, Soup>> inputs() { return ::inputs(); }
+  static std::vector<std::pair<std::string, Soup>> inputs() { return ::soup_inputs(); }
   static Soup valid() { return cube(); }
   static bool same(const Soup& a, const Soup& b) { return same_soup(a, b); }
   static void check_cancelled(const Soup& after, const Soup& before) { CHECK(same_soup(after, before)); }
@@ -137,7 +137,7 @@ TEST_CASE("soup contract: an inconsistent soup is refused") {
 }
 
 TEST_CASE("soup contract: made a mesh and a soup again, the attributes are what they were, of copies as well") {
-  for (const auto& input : inputs()) {
+  for (const auto& input : soup_inputs()) {
     CAPTURE(input.first);
     Context context;
     BuiltMesh built = build_mesh(input.second, context);

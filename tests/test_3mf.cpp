@@ -42,10 +42,10 @@ std::string archive(const std::string& text) {
   return io_detail::zip_of({{"3D/3dmodel.model", text}}, "a.3mf");
 }
 
-Soup read(const std::string& text, MeshFileInfo* info = nullptr) {
+Soup read_model(const std::string& text, MeshFileInfo* info = nullptr) {
   return parsed(archive(text), "a.3mf", info);
 }
-std::string error_of(const std::string& text) {
+std::string model_error(const std::string& text) {
   return refused(archive(text), "a.3mf").what();
 }
 
@@ -64,7 +64,7 @@ TEST_CASE("3mf: units become millimetres, and a note says so") {
     std::string text = model(object(1, mesh_text()), "<item objectid=\"1\"/>");
     text.replace(text.find("millimeter"), 10, unit);
     MeshFileInfo info;
-    const Soup soup = read(text, &info);
+    const Soup soup = read_model(text, &info);
     CHECK(soup.points == std::vector<Vec3>{{0, 0, 0}, {size, 0, 0}, {0, size, 0}});
     CHECK(soup.triangles == std::vector<Triangle>{{0, 1, 2}});
     CHECK(has_note(info.notes, "the unit of the file is the " + unit) == (unit != "millimeter"));
@@ -74,7 +74,7 @@ TEST_CASE("3mf: units become millimetres, and a note says so") {
 
 TEST_CASE("3mf: items of the build and components are put where their transforms say") {
   MeshFileInfo info;
-  const Soup soup = read(model(object(1, mesh_text(), " name=\"leaf\"") + object(4, mesh_text()) +
+  const Soup soup = read_model(model(object(1, mesh_text(), " name=\"leaf\"") + object(4, mesh_text()) +
                                    object(2,
                                           "<components><component objectid=\"1\" transform=\"0 1 0 -1 0 0 0 0 1 10 0 "
                                           "0\"/><component objectid=\"1\"/></components>"),
@@ -118,7 +118,7 @@ TEST_CASE("3mf: base materials are colours and names of triangles, colour groups
       "<basematerials id=\"5\"><base name=\"red &amp; hot\" displaycolor=\"#FF0000\"/><base name=\"blue\" "
       "displaycolor=\"#0000FF80\"/></basematerials>";
   MeshFileInfo info;
-  Soup soup = read(model(materials + object(1, mesh_text(), " pid=\"5\" pindex=\"1\"") +
+  Soup soup = read_model(model(materials + object(1, mesh_text(), " pid=\"5\" pindex=\"1\"") +
                              object(2, mesh_text(" pid=\"5\" p1=\"0\"")) + object(3, mesh_text()),
                          "<item objectid=\"1\"/><item objectid=\"2\"/><item objectid=\"3\"/>"),
                    &info);
@@ -132,7 +132,7 @@ TEST_CASE("3mf: base materials are colours and names of triangles, colour groups
 
   const std::string group =
       "<m:colorgroup id=\"6\"><m:color color=\"#010203\"/><m:color color=\"#040506\"/></m:colorgroup>";
-  soup = read(model(group + object(1, mesh_text(" pid=\"6\" p1=\"0\" p2=\"1\" p3=\"0\"")), "<item objectid=\"1\"/>"));
+  soup = read_model(model(group + object(1, mesh_text(" pid=\"6\" p1=\"0\" p2=\"1\" p3=\"0\"")), "<item objectid=\"1\"/>"));
   CHECK(soup.vertex_colors == std::vector<std::array<std::uint8_t, 3> >{{1, 2, 3}, {4, 5, 6}, {1, 2, 3}});
   CHECK(soup.face_scalars.empty());
 }
@@ -152,7 +152,7 @@ TEST_CASE("3mf: what is not taken is named") {
 
 TEST_CASE("3mf: what is wrong is refused, with part and line") {
   const auto check = [](const std::string& text, const std::string& what) {
-    const std::string error = error_of(text);
+    const std::string error = model_error(text);
     CAPTURE(error);
     CHECK(error.starts_with("a.3mf: "));
     CHECK(error.find(what) != std::string::npos);

@@ -28,7 +28,7 @@ Soup soup_of(const Mesh& mesh) {
 }
 
 /// Corners of a face as points of the soup, beginning with its stored half-edge.
-Triangle corners(const BuiltMesh& built, FaceHandle f) {
+Triangle corners_of_face(const BuiltMesh& built, FaceHandle f) {
   const HalfedgeHandle h = built.mesh.halfedge_handle(f);
   const auto point = [&](HalfedgeHandle side) { return built.point_of(built.mesh.from_vertex_handle(side)); };
   const HalfedgeHandle next = built.mesh.next_halfedge_handle(h);
@@ -59,7 +59,7 @@ void check_faithful(const Soup& soup, const BuiltMesh& built) {
   REQUIRE(built.mesh.n_faces() == expected.size());
   for (const FaceHandle f : built.mesh.faces()) REQUIRE(built.triangle_of(f) == expected[f.idx()]);
   for (const FaceHandle f : built.mesh.faces())
-    REQUIRE(sorted(corners(built, f)) == sorted(soup.triangles[built.triangle_of(f)]));
+    REQUIRE(sorted(corners_of_face(built, f)) == sorted(soup.triangles[built.triangle_of(f)]));
   REQUIRE(built.report.faces_removed == soup.triangles.size() - expected.size());
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("build_mesh: nothing, points alone and one triangle") {
   const BuiltMesh built = build({.points = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{3, 1, 2}}});
   CHECK(built.mesh.n_edges() == 3);
   CHECK(built.mesh.is_isolated(VertexHandle(0)));
-  CHECK(corners(built, FaceHandle(0)) == Triangle{3, 1, 2});
+  CHECK(corners_of_face(built, FaceHandle(0)) == Triangle{3, 1, 2});
 }
 
 TEST_CASE("build_mesh: triangles that name a vertex twice are set aside and named") {
@@ -223,7 +223,7 @@ TEST_CASE("build_mesh: two solids that touch in a vertex or an edge come apart, 
     // Material stays inside: every closed part has the volume of an octahedron, 4/3.
     double volume = 0;
     for (const FaceHandle f : split.mesh.faces()) {
-      const Triangle t = corners(split, f);
+      const Triangle t = corners_of_face(split, f);
       volume += (edge.points[t[0]] | (edge.points[t[1]] % edge.points[t[2]])) / 6;
     }
     CHECK(volume == doctest::Approx(8.0 / 3));
@@ -363,7 +363,7 @@ TEST_CASE("build_mesh: tens of thousands of triangles in any order give the same
   int next_edge = 0;
   for (const FaceHandle f : serial.mesh.faces()) {
     HalfedgeHandle h = serial.mesh.halfedge_handle(f);
-    REQUIRE(corners(serial, f) == soup.triangles[f.idx()]);
+    REQUIRE(corners_of_face(serial, f) == soup.triangles[f.idx()]);
     for (int k = 0; k < 3; ++k, h = serial.mesh.next_halfedge_handle(h)) {
       const int edge = serial.mesh.edge_handle(h).idx();
       REQUIRE(edge <= next_edge);
@@ -385,7 +385,7 @@ TEST_CASE("build_mesh: an index out of range and an attribute of the wrong lengt
   CHECK_THROWS_AS(build_mesh(soup_of(grid(2, 2)), context), Cancelled);
 }
 
-TEST_CASE("build_mesh: values of corners and labels go to the mesh and come back, also where triangles are reversed") {
+TEST_CASE("build_mesh: values of corners_of_face and labels go to the mesh and come back, also where triangles are reversed") {
   Soup soup;
   soup.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
   soup.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 2, 4}};  // the last one disagrees

@@ -34,8 +34,6 @@ std::string sheet_with_hole(int n = 5) {
 
 int lines_of(const std::string& text) { return static_cast<int>(std::count(text.begin(), text.end(), '\n')); }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 // One clear line on standard error, nothing on standard output, nothing new in the folder.
 void check_refused(const Outcome& outcome, int exit_code) {
   CAPTURE(outcome.err);

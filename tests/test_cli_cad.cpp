@@ -14,14 +14,6 @@ using nlohmann::json;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-json parsed(const Outcome& outcome) {
-  CAPTURE(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-  return json::parse(outcome.out);
-}
-
 long lines_in(const std::string& path) {
   const std::string bytes = file_bytes(path);
   return std::count(bytes.begin(), bytes.end(), '\n');

@@ -14,10 +14,6 @@ using nlohmann::json;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 // A square of side 2 in z = height, in two triangles.
 std::string square_off(double height) {
   const std::string z = " " + std::to_string(height) + "\n";

@@ -14,10 +14,6 @@ namespace {
 
 const std::string tetrahedron = "OFF\n4 4 0\n0 0 0\n8 0 0\n0 8 0\n0 0 8\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("tri: every command that takes meshes takes 3MF and glTF by their endings") {

@@ -14,8 +14,6 @@ namespace {
 
 const std::string plugins = TRI_TEST_PLUGINS;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 const char* const triangle = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0.5\n3 0 1 2\n";
 
 /// Sets TRI_PLUGINS for as long as it lives.

@@ -15,17 +15,7 @@ using nlohmann::json;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-json parsed(const Outcome& outcome) {
-  CAPTURE(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-  return json::parse(outcome.out);
-}
-
-void check_refused(const Outcome& outcome, int exit_code, const std::string& word) {
+void check_refused_for(const Outcome& outcome, int exit_code, const std::string& word) {
   CAPTURE(outcome.err);
   CHECK(outcome.exit_code == exit_code);
   CHECK(outcome.out.empty());
@@ -100,11 +90,11 @@ TEST_CASE("tri run: points cannot become a mesh without a model, and that is sai
         {"run", "p.xyz", "!", "thin", "!", "weld", "!", "out.ply"},
         {"run", "p.xyz", "out.stl"},
         {"run", "p.ply", "!", "thin", "!", "out.obj"}})
-    check_refused(run_tri(words, folder.path()), 2, "needs a model");
-  check_refused(run_tri({"run", "p.stl", "!", "weld", "!", "thin", "!", "out.xyz"}, folder.path()), 2,
+    check_refused_for(run_tri(words, folder.path()), 2, "needs a model");
+  check_refused_for(run_tri({"run", "p.stl", "!", "weld", "!", "thin", "!", "out.xyz"}, folder.path()), 2,
                 "works on points");
-  check_refused(run_tri({"run", "p.stl", "!", "weld", "!", "out.ply", "--units", "m"}, folder.path()), 2, "--units");
-  check_refused(run_tri({"run", "p.xyz", "!", "thin", "--voxel", "0", "!", "out.xyz"}, folder.path()), 2, "voxel");
+  check_refused_for(run_tri({"run", "p.stl", "!", "weld", "!", "out.ply", "--units", "m"}, folder.path()), 2, "--units");
+  check_refused_for(run_tri({"run", "p.xyz", "!", "thin", "--voxel", "0", "!", "out.xyz"}, folder.path()), 2, "voxel");
   CHECK(folder.entries().empty());
 }
 

@@ -15,8 +15,6 @@ using nlohmann::json;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 // Every number of a text, without a header line.
 std::vector<double> numbers(const std::string& path, bool header = false) {
   std::istringstream in(file_bytes(path));

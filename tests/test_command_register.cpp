@@ -14,10 +14,8 @@ using nlohmann::json;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 // The lines of a CSV file, without the header, as numbers.
-std::vector<std::vector<double>> rows(const std::string& path, const std::string& header) {
+std::vector<std::vector<double>> rows_of_file(const std::string& path, const std::string& header) {
   std::istringstream in(file_bytes(path));
   std::string line;
   std::getline(in, line);
@@ -44,7 +42,7 @@ TEST_CASE("tri register: finds the face, the place on it and the closest point t
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.out, "2,000 points"));
   CHECK(outcome.err.empty());
-  const auto truth = rows(folder / "scan.truth.csv", truth_header), found = rows(folder / "r.csv", header);
+  const auto truth = rows_of_file(folder / "scan.truth.csv", truth_header), found = rows_of_file(folder / "r.csv", header);
   REQUIRE(truth.size() == 2000);
   REQUIRE(found.size() == 2000);
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -97,7 +95,7 @@ TEST_CASE("tri register: takes the points as they are, or moved as a pose says")
     words.insert(words.end(), more.begin(), more.end());
     REQUIRE(run_tri(words, folder.path()).exit_code == 0);
     double most = 0;
-    for (const auto& row : rows(folder / "r.csv", header)) most = std::max(most, std::abs(row[10]));
+    for (const auto& row : rows_of_file(folder / "r.csv", header)) most = std::max(most, std::abs(row[10]));
     return most;
   };
   CHECK(farthest({}) > 1);
@@ -147,7 +145,7 @@ TEST_CASE("tri register: normals, intensity and further columns of the points fo
   folder.make("pose.json", "{\"matrix\": [[0,-1,0,0],[1,0,0,0],[0,0,1,0],[0,0,0,1]]}");
   REQUIRE(run_tri({"register", "--cad", "cap.step", "scan.csv", "--pose", "pose.json", "-o", "r.csv"}, folder.path())
               .exit_code == 0);
-  const auto found = rows(folder / "r.csv", header + ",nx,ny,nz,intensity,quality");
+  const auto found = rows_of_file(folder / "r.csv", header + ",nx,ny,nz,intensity,quality");
   REQUIRE(found.size() == 3);
   const double expected[3][5] = {{0, 1, 0, 0.5, 7}, {-1, 0, 0, 0.25, 8}, {0, 0, 1, 0.125, 9}};
   for (std::size_t i = 0; i < 3; ++i)

@@ -106,7 +106,7 @@ void check_nothing_open(const Covered& c) {
   CHECK(c.coverage.open_triangles.empty());
 }
 
-double area(const Covered& c, std::uint32_t t) {
+double covered_area(const Covered& c, std::uint32_t t) {
   const Triangle& q = c.mesh.triangles[t];
   const Vec3& a = c.part.feet[q[0]].point;
   return 0.5 * ((c.part.feet[q[1]].point - a) % (c.part.feet[q[2]].point - a)).norm();
@@ -181,7 +181,7 @@ TEST_CASE("find_unmeasured: gaps of two spacings are closed, gaps of six are one
         CHECK(region.faces == std::vector<int>{1});
         double open = 0;
         for (const std::uint32_t t : c.coverage.open_triangles) {
-          open += area(c, t);
+          open += covered_area(c, t);
           for (const std::uint32_t v : c.mesh.triangles[t])
             CHECK((c.part.feet[v].point - place).norm() < radius + 3 * scale);
         }
@@ -266,13 +266,13 @@ TEST_CASE("find_unmeasured: a side of a box without points is one region on that
     const auto& faces = c.coverage.regions[0].faces;
     CHECK(std::count(faces.begin(), faces.end(), c.part.model.faces[2].index) == 1);
     double open = 0;
-    for (const std::uint32_t t : c.coverage.open_triangles) open += area(c, t);
+    for (const std::uint32_t t : c.coverage.open_triangles) open += covered_area(c, t);
     CHECK(open > 0.8 * c.part.model.faces[2].area);
     CHECK(open < 1.3 * c.part.model.faces[2].area);
   }
 }
 
-TEST_CASE("point_spacing: the square root of the area per point on scattered points, the distance of scan lines") {
+TEST_CASE("point_spacing: the square root of the covered_area per point on scattered points, the distance of scan lines") {
   for (const Ground& ground : grounds())
     for (const Sampling& s : samplings) {
       CAPTURE(ground.name);

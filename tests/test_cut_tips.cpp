@@ -20,7 +20,7 @@ struct Shape {
   std::vector<Triangle> triangles;
 };
 
-Shape tetrahedron(const std::array<GridPoint, 4>& p) {
+Shape grid_tetrahedron(const std::array<GridPoint, 4>& p) {
   Shape s{{p.begin(), p.end()}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
   if (volume6(p[0], p[1], p[2], p[3]) < 0)
     for (Triangle& t : s.triangles) std::swap(t[0], t[1]);
@@ -44,13 +44,13 @@ Vec3 place(const GridPoint& p) {
   return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
 }
 
-double volume(const PlacedBoundary& b) {
+double boundary_volume(const PlacedBoundary& b) {
   double sum = 0;
   for (const Triangle& t : b.triangles) sum += place(b.points[t[0]]) | (place(b.points[t[1]]) % place(b.points[t[2]]));
   return sum / 6;
 }
 
-double area(const PlacedBoundary& b) {
+double boundary_area(const PlacedBoundary& b) {
   double sum = 0;
   for (const Triangle& t : b.triangles)
     sum +=
@@ -77,7 +77,7 @@ bool apart(const PlacedBoundary& b) {
   return true;
 }
 
-std::size_t crossings(const PlacedBoundary& b) {
+std::size_t boundary_crossings(const PlacedBoundary& b) {
   const auto corners = [&](const Triangle& t) {
     return std::array{place(b.points[t[0]]), place(b.points[t[1]]), place(b.points[t[2]])};
   };
@@ -113,9 +113,9 @@ TEST_CASE("cut_tips: solids that touch in a point come apart, whatever their cor
     return GridPoint{o[0] + std::llround(x * size / 4), o[1] + std::llround(y * size / 4),
                      o[2] + std::llround(z * size / 4)};
   };
-  const Shape corner = tetrahedron({o, at(1, 0.2, 1), at(-0.5, 0.9, 1), at(-0.4, -0.8, 1)});
-  const Shape opposite = tetrahedron({o, at(1, 0, -1), at(-0.5, 0.9, -1.1), at(-0.5, -0.9, -1)});
-  const Shape needle = tetrahedron({o, at(0.001, 0, -1), at(-0.001, 0.001, -1), at(0, -0.001, -1)});
+  const Shape corner = grid_tetrahedron({o, at(1, 0.2, 1), at(-0.5, 0.9, 1), at(-0.4, -0.8, 1)});
+  const Shape opposite = grid_tetrahedron({o, at(1, 0, -1), at(-0.5, 0.9, -1.1), at(-0.5, -0.9, -1)});
+  const Shape needle = grid_tetrahedron({o, at(0.001, 0, -1), at(-0.001, 0.001, -1), at(0, -0.001, -1)});
   // A tip whose sides go up and down by turns, so that no direction leans into all of them.
   std::vector<GridPoint> saddle;
   for (int i = 0; i < 8; ++i)
@@ -123,7 +123,7 @@ TEST_CASE("cut_tips: solids that touch in a point come apart, whatever their cor
                         i % 4 == 0   ? 0.5
                         : i % 4 == 2 ? -0.5
                                      : 0));
-  const Shape rider = tetrahedron({o, at(0.1, 0.1, 1), at(-0.1, 0.1, 1), at(0, -0.1, 1)});
+  const Shape rider = grid_tetrahedron({o, at(0.1, 0.1, 1), at(-0.1, 0.1, 1), at(0, -0.1, 1)});
   const double height = 200;
   const std::vector<std::pair<const char*, std::vector<Shape>>> cases{
       {"corners", {corner, opposite}},
@@ -134,14 +134,14 @@ TEST_CASE("cut_tips: solids that touch in a point come apart, whatever their cor
     CAPTURE(name);
     PlacedBoundary b = together(shapes);
     const PlacedBoundary before = b;
-    REQUIRE(volume(before) > 0);
+    REQUIRE(boundary_volume(before) > 0);
     REQUIRE_FALSE(apart(before));
     Context context;
     CHECK(cut_tips(b, height, context) == 0);
     CHECK(apart(b));
     CHECK(closed_by_place(b));
-    CHECK(crossings(b) == 0);
-    CHECK(std::abs(volume(b) - volume(before)) < area(before) * height);
+    CHECK(boundary_crossings(b) == 0);
+    CHECK(std::abs(boundary_volume(b) - boundary_volume(before)) < boundary_area(before) * height);
     CHECK(b.face.size() == b.triangles.size());
     CHECK(b.point.size() == b.points.size());
     CHECK(b.moved.size() == b.points.size());
@@ -154,15 +154,15 @@ TEST_CASE("cut_tips: solids that touch in a point come apart, whatever their cor
 
 TEST_CASE("cut_tips: what does not touch stays as it is, and what has no room is counted") {
   Context context;
-  const Shape one = tetrahedron({GridPoint{0, 0, 0}, GridPoint{100, 0, 0}, GridPoint{0, 100, 0}, GridPoint{0, 0, 100}});
+  const Shape one = grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{100, 0, 0}, GridPoint{0, 100, 0}, GridPoint{0, 0, 100}});
   PlacedBoundary alone = together({one});
   const PlacedBoundary before = alone;
   CHECK(cut_tips(alone, 10, context) == 0);
   CHECK(alone.triangles == before.triangles);
   CHECK(alone.points == before.points);
   // Edges of a step or two leave nothing to cut.
-  const Shape tiny = tetrahedron({GridPoint{0, 0, 0}, GridPoint{-2, 0, 0}, GridPoint{0, -2, 0}, GridPoint{0, 0, -2}});
-  const Shape small = tetrahedron({GridPoint{0, 0, 0}, GridPoint{2, 0, 0}, GridPoint{0, 2, 0}, GridPoint{0, 0, 2}});
+  const Shape tiny = grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{-2, 0, 0}, GridPoint{0, -2, 0}, GridPoint{0, 0, -2}});
+  const Shape small = grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{2, 0, 0}, GridPoint{0, 2, 0}, GridPoint{0, 0, 2}});
   PlacedBoundary stuck = together({tiny, small});
   CHECK(cut_tips(stuck, 10, context) == 1);
 }

@@ -17,7 +17,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Mesh& mesh, const DecimateOptions& options) {
+Report run_decimate(Mesh& mesh, const DecimateOptions& options) {
   Context context;
   const Report report = decimate(view_of(mesh), options, context);
   CHECK_VALID_MESH(mesh);
@@ -36,7 +36,7 @@ bool has_point(const Mesh& mesh, const Vec3& p, double tolerance) {
 }
 
 /// The surface of a cube, n x n cells on each side, welded.
-Mesh cube(int n, double size = 1, const Vec3& offset = Vec3(0, 0, 0)) {
+Mesh fine_cube(int n, double size = 1, const Vec3& offset = Vec3(0, 0, 0)) {
   std::vector<Vec3> points;
   std::map<std::array<int, 3>, int> at;
   const auto vertex = [&](std::array<int, 3> g) {
@@ -68,8 +68,8 @@ Mesh cube(int n, double size = 1, const Vec3& offset = Vec3(0, 0, 0)) {
   return make_mesh(points, triangles);
 }
 
-/// A sphere of radius 1: latitudes and longitudes, two poles.
-Mesh sphere(int around, int rows) {
+/// A lattice_sphere of radius 1: latitudes and longitudes, two poles.
+Mesh lattice_sphere(int around, int rows) {
   std::vector<Vec3> points{{0, 0, -1}};
   for (int j = 1; j < rows; ++j)
     for (int i = 0; i < around; ++i) {
@@ -103,7 +103,7 @@ std::vector<Vec3> places_on(const Mesh& mesh) {
 
 TEST_CASE("decimate: a flat polygon becomes as few triangles as its corners allow, without error") {
   Mesh square = grid(20, 20);
-  run(square, {.max_error = 1e-9});
+  run_decimate(square, {.max_error = 1e-9});
   CHECK(live_faces(square) == 2);
   CHECK(mesh_area(view_of(square)) == doctest::Approx(400).epsilon(1e-12));
   for (const Vec3& p : live_points(square)) {
@@ -118,12 +118,12 @@ TEST_CASE("decimate: a flat polygon becomes as few triangles as its corners allo
   Mesh mesh = l.mesh();
   for (const VertexHandle v : mesh.vertices())
     if (mesh.is_isolated(v)) mesh.delete_vertex(v);
-  run(mesh, {.max_error = 1e-9});
+  run_decimate(mesh, {.max_error = 1e-9});
   CHECK(live_faces(mesh) == 4);
   CHECK(mesh_area(view_of(mesh)) == doctest::Approx(144 - 48).epsilon(1e-12));
 }
 
-TEST_CASE("decimate: a cube becomes twelve triangles at its corners, wherever it lies and however large it is") {
+TEST_CASE("decimate: a fine_cube becomes twelve triangles at its corners, wherever it lies and however large it is") {
   struct Place {
     double size;
     Vec3 offset;
@@ -131,8 +131,8 @@ TEST_CASE("decimate: a cube becomes twelve triangles at its corners, wherever it
   for (const Place& place : {Place{1, {0, 0, 0}}, Place{1e-6, {0, 0, 0}}, Place{1e6, {0, 0, 0}},
                              Place{1, {1e6, -1e6, 1e6}}, Place{1e-6, {1, 2, 3}}}) {
     CAPTURE(place.size);
-    Mesh mesh = cube(8, place.size, place.offset);
-    const Report report = run(mesh, {.max_error = 1e-6 * place.size});
+    Mesh mesh = fine_cube(8, place.size, place.offset);
+    const Report report = run_decimate(mesh, {.max_error = 1e-6 * place.size});
     CHECK(live_faces(mesh) == 12);
     CHECK(report.faces_removed == 12 * 64 - 12);
     const double ulp = 4e-16 * (place.offset.norm() + place.size);
@@ -141,13 +141,13 @@ TEST_CASE("decimate: a cube becomes twelve triangles at its corners, wherever it
   }
 }
 
-TEST_CASE("decimate: a sphere stays within a small multiple of the best error for as many triangles") {
-  Mesh mesh = sphere(120, 60);
-  const Report report = run(mesh, {.faces = 800});
+TEST_CASE("decimate: a lattice_sphere stays within a small multiple of the best error for as many triangles") {
+  Mesh mesh = lattice_sphere(120, 60);
+  const Report report = run_decimate(mesh, {.faces = 800});
   CHECK(live_faces(mesh) <= 800);
   CHECK(live_faces(mesh) >= 799);
   CHECK(euler_characteristic(mesh) == 2);
-  // Equilateral triangles of the sphere's area, with a circumscribed circle of radius r, stand r^2 / 2 off the sphere.
+  // Equilateral triangles of the lattice_sphere's area, with a circumscribed circle of radius r, stand r^2 / 2 off the lattice_sphere.
   const double area = 4 * pi / 800, sagitta = 0.5 * 4 * area / (3 * std::sqrt(3.0));
   for (const Vec3& p : places_on(mesh)) CHECK(std::abs(p.norm() - 1) < 3 * sagitta);
   CHECK(report.figures.at("greatest error") < sagitta);
@@ -160,7 +160,7 @@ TEST_CASE("decimate: straight creases and boundaries stay where they are") {
   gutter.nv = 15;
   gutter.point = [](int i, int j) { return Vec3(std::clamp(i - 6, 0, 6), j, i < 6 ? 6 - i : i > 12 ? i - 12 : 0); };
   Mesh mesh = gutter.mesh();
-  run(mesh, {.max_error = 1e-9});
+  run_decimate(mesh, {.max_error = 1e-9});
   CHECK(live_faces(mesh) == 6);
   for (const double x : {0.0, 6.0})
     for (const double y : {0.0, 15.0})
@@ -169,9 +169,9 @@ TEST_CASE("decimate: straight creases and boundaries stay where they are") {
 
 TEST_CASE("decimate: the error is kept") {
   Context context;
-  Mesh mesh = sphere(80, 40);
+  Mesh mesh = lattice_sphere(80, 40);
   const Soup before = to_soup(view_of(mesh));
-  const Report report = run(mesh, {.max_error = 0.002});
+  const Report report = run_decimate(mesh, {.max_error = 0.002});
   CHECK(report.figures.at("greatest error") <= 0.002);
   CHECK(report.skipped.count("error above the limit") == 1);
   const MeshDistance distance = mesh_distance(before, to_soup(view_of(mesh)), {}, context);
@@ -181,16 +181,16 @@ TEST_CASE("decimate: the error is kept") {
 
 TEST_CASE("decimate: stops at the first target; half without any") {
   Mesh a = bumpy_grid(20, 20), b = a, c = a, d = a;
-  run(a, {.faces = 300});
+  run_decimate(a, {.faces = 300});
   CHECK(live_faces(a) <= 300);
   CHECK(live_faces(a) >= 299);
-  run(b, {.ratio = 0.25});
+  run_decimate(b, {.ratio = 0.25});
   CHECK(live_faces(b) <= 200);
   CHECK(live_faces(b) >= 199);
-  run(c, {});
+  run_decimate(c, {});
   CHECK(live_faces(c) <= 400);
   CHECK(live_faces(c) >= 399);
-  run(d, {.faces = 300, .ratio = 0.25});
+  run_decimate(d, {.faces = 300, .ratio = 0.25});
   CHECK(live_faces(d) <= 300);
   CHECK(live_faces(d) >= 299);
 }
@@ -198,7 +198,7 @@ TEST_CASE("decimate: stops at the first target; half without any") {
 TEST_CASE("decimate: fewer faces than asked for are left bit for bit") {
   for (Mesh mesh : {icosahedron(), bumpy_grid(5, 5), Mesh()}) {
     const Snapshot before = snapshot(view_of(mesh));
-    CHECK(run(mesh, {.faces = 50}).unchanged());
+    CHECK(run_decimate(mesh, {.faces = 50}).unchanged());
     CHECK(snapshot(view_of(mesh)) == before);
   }
 }
@@ -206,9 +206,9 @@ TEST_CASE("decimate: fewer faces than asked for are left bit for bit") {
 TEST_CASE("decimate: topology stays, as far as it may go") {
   Mesh tetrahedron =
       make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
-  CHECK(run(tetrahedron, {.faces = 1}).unchanged());
+  CHECK(run_decimate(tetrahedron, {.faces = 1}).unchanged());
   Mesh triangle = make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
-  const Report report = run(triangle, {.ratio = 0.1});
+  const Report report = run_decimate(triangle, {.ratio = 0.1});
   CHECK(report.unchanged());
   CHECK(report.skipped.at("would change the topology") == 3);
 
@@ -216,10 +216,10 @@ TEST_CASE("decimate: topology stays, as far as it may go") {
   Mesh pipe = tube(30, 20, 1, 0, 3).mesh();
   Mesh holes = bumpy_grid(15, 15);
   for (const int f : {100, 101, 166, 310, 311, 316}) holes.delete_face(FaceHandle(f), true);
-  for (Mesh mesh : {pieces, pipe, holes, sphere(30, 15)}) {
+  for (Mesh mesh : {pieces, pipe, holes, lattice_sphere(30, 15)}) {
     REQUIRE(mesh_problems(mesh).empty());
     const int euler = euler_characteristic(mesh), loops = boundary_loops(mesh);
-    run(mesh, {.faces = 1});
+    run_decimate(mesh, {.faces = 1});
     CHECK(euler_characteristic(mesh) == euler);
     CHECK(boundary_loops(mesh) == loops);
   }
@@ -230,7 +230,7 @@ TEST_CASE("decimate: no triangle of a smooth height field is turned over, and no
   hills.nu = hills.nv = 40;
   hills.point = [](int i, int j) { return Vec3(i, j, 2 * std::sin(0.3 * i) * std::cos(0.25 * j)); };
   Mesh mesh = hills.mesh();
-  run(mesh, {.ratio = 0.08, .min_roundness = 0.1});
+  run_decimate(mesh, {.ratio = 0.08, .min_roundness = 0.1});
   for (const FaceHandle f : mesh.faces()) {
     const HalfedgeHandle h = mesh.halfedge_handle(f);
     const Vec3 a = mesh.point(mesh.from_vertex_handle(h)), b = mesh.point(mesh.to_vertex_handle(h)),
@@ -257,7 +257,7 @@ TEST_CASE("decimate: values at vertices and corners are interpolated, seams and 
     for (const HalfedgeHandle h : mesh.fh_range(f))
       mesh.property(chart, h) = mesh.point(mesh.to_vertex_handle(h))[0] + (right_of(f) ? 100 : 0);
   }
-  run(mesh, {.faces = 40});
+  run_decimate(mesh, {.faces = 40});
   CHECK(live_faces(mesh) <= 40);
   for (const VertexHandle v : mesh.vertices())
     CHECK(mesh.property(plane, v) == doctest::Approx(2 * mesh.point(v)[0] - 3 * mesh.point(v)[1]));
@@ -277,20 +277,20 @@ TEST_CASE("decimate: degenerate triangles, needles and points that are not finit
   mesh.point(VertexHandle(40)) = mesh.point(VertexHandle(41));
   mesh.point(VertexHandle(100)) = mesh.point(VertexHandle(101)) * 0.999999 + mesh.point(VertexHandle(99)) * 0.000001;
   Mesh broken = mesh;
-  run(mesh, {.ratio = 0.2});
+  run_decimate(mesh, {.ratio = 0.2});
   CHECK(live_faces(mesh) <= 14 * 14 * 2 / 5);
   broken.point(VertexHandle(77))[1] = std::nan("");
   broken.point(VertexHandle(30))[0] = std::numeric_limits<double>::infinity();
-  run(broken, {.ratio = 0.2});
+  run_decimate(broken, {.ratio = 0.2});
   Mesh flat = grid(5, 5);
   for (const VertexHandle v : flat.vertices()) flat.point(v) = Vec3(1, 2, 3);
-  run(flat, {.ratio = 0.5});
+  run_decimate(flat, {.ratio = 0.5});
 }
 
 TEST_CASE("decimate: the report lists what moved") {
   Mesh mesh = bumpy_grid(12, 12);
   const Mesh before = mesh;
-  const Report report = run(mesh, {.ratio = 0.3});
+  const Report report = run_decimate(mesh, {.ratio = 0.3});
   std::set<std::uint32_t> moved;
   for (const VertexHandle v : mesh.vertices())
     if (mesh.point(v) != before.point(v)) moved.insert(static_cast<std::uint32_t>(v.idx()));

@@ -25,7 +25,7 @@ struct Measured {
   std::vector<Foot> feet;
 };
 
-Measured measured(const TopoDS_Shape& shape, std::vector<Vec3> points) {
+Measured measured_points(const TopoDS_Shape& shape, std::vector<Vec3> points) {
   Measured m{make_cad_model(make_shape(shape)), std::move(points), {}};
   Context context;
   m.feet = Registration(m.model).register_points(m.points, context);
@@ -39,18 +39,18 @@ Deviations deviations_of(const Measured& m, const DeviationOptions& options, int
 }
 
 // Points over the sides x = 0 (0.1 outside), z = 10 (0.2 inside; one 0.4 outside) of a box of 20 x 30 x 10.
-Measured box() {
+Measured measured_box() {
   std::vector<Vec3> points;
   for (int i = 0; i < 10; ++i) points.push_back({-0.1, 5.0 + 2 * i, 5});
   for (int i = 0; i < 9; ++i) points.push_back({10, 5.0 + 2 * i, 9.8});
   points.push_back({10, 25, 10.4});
-  return measured(BRepPrimAPI_MakeBox(20, 30, 10).Shape(), points);
+  return measured_points(BRepPrimAPI_MakeBox(20, 30, 10).Shape(), points);
 }
 
 }  // namespace
 
-TEST_CASE("deviations: signed distances of a box by face, with the faces that have none") {
-  const Measured m = box();
+TEST_CASE("deviations: signed distances of a measured_box by face, with the faces that have none") {
+  const Measured m = measured_box();
   const Deviations d = deviations_of(m, {.tolerance = Tolerance{-0.25, 0.15}});
   REQUIRE(d.values.size() == 20);
   CHECK(d.values[3] == doctest::Approx(0.1));
@@ -85,7 +85,7 @@ TEST_CASE("deviations: signed distances of a box by face, with the faces that ha
 }
 
 TEST_CASE("deviations: points beyond max_distance are listed and do not count; without it every point counts") {
-  const Measured m = box();
+  const Measured m = measured_box();
   const Deviations d = deviations_of(m, {.max_distance = 0.3});
   CHECK(d.far == std::vector<std::uint32_t>{19});
   CHECK(d.values.size() == 20);
@@ -102,7 +102,7 @@ TEST_CASE("deviations: points beyond max_distance are listed and do not count; w
 }
 
 TEST_CASE("deviations: the worst places are apart, and ranked by tolerance where there is one") {
-  const Measured m = box();
+  const Measured m = measured_box();
   const Deviations plain = deviations_of(m, {.spots = 3});
   REQUIRE(plain.spots.size() == 3);
   CHECK(plain.spots[0].point == 19);
@@ -128,7 +128,7 @@ TEST_CASE("deviations: on a sphere they are the differences of the radii, the sa
     expected.push_back(0.05 * normal(random));
     points.push_back(direction * (7 + expected.back()));
   }
-  const Measured m = measured(BRepPrimAPI_MakeSphere(7).Shape(), points);
+  const Measured m = measured_points(BRepPrimAPI_MakeSphere(7).Shape(), points);
   const Deviations one = deviations_of(m, {}, 1), two = deviations_of(m, {}, 2);
   for (std::size_t i = 0; i < points.size(); ++i) CHECK(std::abs(one.values[i] - expected[i]) < 1e-9);
   CHECK(one.overall.mean == two.overall.mean);
@@ -138,14 +138,14 @@ TEST_CASE("deviations: on a sphere they are the differences of the radii, the sa
 }
 
 TEST_CASE("deviations: refuses what it cannot count, and heeds a cancel") {
-  const Measured m = box();
+  const Measured m = measured_box();
   CHECK_THROWS_AS(deviations_of(m, {.max_distance = 0.0}), InvalidInput);
   CHECK_THROWS_AS(deviations_of(m, {.tolerance = Tolerance{1, -1}}), InvalidInput);
   Measured broken = m;
   broken.feet.pop_back();
   CHECK_THROWS_AS(deviations_of(broken, {}), InvalidInput);
   const Measured infinite =
-      measured(BRepPrimAPI_MakeBox(1, 1, 1).Shape(), {{0, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0}});
+      measured_points(BRepPrimAPI_MakeBox(1, 1, 1).Shape(), {{0, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0}});
   CHECK_THROWS_AS(deviations_of(infinite, {}), InvalidInput);
   CHECK_THROWS_AS(feet_of(Mesh(), m.model), InvalidInput);
   Context cancelled;

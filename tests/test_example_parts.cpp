@@ -41,7 +41,7 @@ using namespace tri;
 
 namespace {
 
-struct Topology {
+struct PartTopology {
   int components = 0, loops = 0, euler = 0;
   bool manifold = true;
 };
@@ -63,7 +63,7 @@ int count(const TopoDS_Shape& shape, TopAbs_ShapeEnum type) {
 
 // The topology of OpenCASCADE's own tessellation: the nodes of neighbouring faces are the same where they lie on the
 // same edge, whatever their coordinates.
-Topology topology(const TopoDS_Shape& shape, double deflection) {
+PartTopology part_topology(const TopoDS_Shape& shape, double deflection) {
   BRepMesh_IncrementalMesh(shape, deflection, false, 0.4);
   TopTools_IndexedMapOfShape faces, edges;
   TopExp::MapShapes(shape, TopAbs_FACE, faces);
@@ -120,7 +120,7 @@ Topology topology(const TopoDS_Shape& shape, double deflection) {
       parts.join(t[k], t[(k + 1) % 3]);
     }
   }
-  Topology result;
+  PartTopology result;
   int edge_count = 0;
   std::map<int, int> next;
   for (const auto& [edge, uses] : directed) {
@@ -141,8 +141,8 @@ Topology topology(const TopoDS_Shape& shape, double deflection) {
   return result;
 }
 
-void check_topology(const TopoDS_Shape& shape, const ExamplePart& part) {
-  const Topology found = topology(shape, 0.5);
+void check_part_topology(const TopoDS_Shape& shape, const ExamplePart& part) {
+  const PartTopology found = part_topology(shape, 0.5);
   CHECK(found.manifold);
   CHECK(found.components == part.components);
   CHECK(found.loops == part.loops);
@@ -163,7 +163,7 @@ std::vector<Vec2> outer_outline(const TopoDS_Face& face) {
   return points;
 }
 
-double area(const std::vector<Vec2>& polygon) {
+double polygon_area(const std::vector<Vec2>& polygon) {
   double sum = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
@@ -238,7 +238,7 @@ TEST_CASE("example_parts: every part is valid and has the faces and the topology
     BRepGProp::VolumeProperties(occt(shape), flux);
     CHECK(flux.Mass() > 0);
     CHECK(ShapeAnalysis_ShapeTolerance().Tolerance(occt(shape), 1) < 0.01);
-    check_topology(occt(shape), part);
+    check_part_topology(occt(shape), part);
   }
 }
 
@@ -249,11 +249,11 @@ TEST_CASE("example_parts: STEP brings every part back with its faces and topolog
     const TemporaryFile step("part.step"), iges("part.igs");
     const TopoDS_Shape from_step = through_file(shape, step.path);
     CHECK(count(from_step, TopAbs_FACE) == part.faces);
-    check_topology(from_step, part);
+    check_part_topology(from_step, part);
 
     const TopoDS_Shape from_iges = through_file(shape, iges.path);
     CHECK(count(from_iges, TopAbs_FACE) == part.faces);
-    check_topology(occt(sewn(make_shape(from_iges), 0.01)), part);
+    check_part_topology(occt(sewn(make_shape(from_iges), 0.01)), part);
   }
 }
 
@@ -266,7 +266,7 @@ TEST_CASE("boot-lid: is made of B-spline surfaces only, some of them rational, w
     rational += surface->IsURational() || surface->IsVRational();
     loops += count(it.Current(), TopAbs_WIRE);
     const std::vector<Vec2> outline = outer_outline(TopoDS::Face(it.Current()));
-    concave += std::abs(area(outline)) < 0.98 * std::abs(area(convex_hull(outline)));
+    concave += std::abs(polygon_area(outline)) < 0.98 * std::abs(polygon_area(convex_hull(outline)));
   }
   CHECK(concave >= 4);  // deck, rear panel, both sides
   CHECK(rational > 0);
@@ -285,7 +285,7 @@ TEST_CASE("boot-lid: as IGES it is 16 loose trimmed NURBS that sew at 0.01 mm in
   CHECK(count(back, TopAbs_SHELL) == 0);
   const TopoDS_Shape shell = occt(sewn(make_shape(back), 0.01));
   CHECK(count(shell, TopAbs_SHELL) == 1);
-  CHECK(topology(shell, 0.5).loops == 2);
+  CHECK(part_topology(shell, 0.5).loops == 2);
 }
 
 TEST_CASE("example_part: an unknown name is an error that lists the known ones") {

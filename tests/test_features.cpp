@@ -26,7 +26,7 @@ std::size_t count(const Features& features, EdgeClass c) {
 }
 
 /// The surface of the cube [0, n]^3 with unit cells.
-Mesh cube(int n) {
+Mesh split_cube(int n) {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
   const auto vertex = [&](int x, int y, int z) {
@@ -65,7 +65,7 @@ Mesh roof(int n, const std::function<double(int)>& height) {
 
 TEST_CASE("find_features: a cube has twelve creases and eight corners, and its faces are smooth") {
   for (const int n : {1, 2, 5}) {
-    Mesh mesh = cube(n);
+    Mesh mesh = split_cube(n);
     const Features features = find(mesh);
     CHECK(features.creases == static_cast<std::size_t>(12 * n));
     CHECK(features.corners == 8);
@@ -147,7 +147,7 @@ TEST_CASE("find_features: a sliver on a crease leaves the crease one line, and m
 }
 
 TEST_CASE("find_features: deleted elements, points that are not finite and faces folded to a line") {
-  Mesh mesh = cube(2);
+  Mesh mesh = split_cube(2);
   mesh.delete_face(FaceHandle(0), true);
   mesh.point(VertexHandle(5))[1] = std::nan("");
   mesh.point(VertexHandle(9))[2] = std::numeric_limits<double>::infinity();
@@ -178,7 +178,7 @@ TEST_CASE("find_features: the same for any number of threads; cancel is heeded")
 TEST_CASE("find_features: noise makes no creases where it is allowed for, and true ones stay") {
   std::mt19937 random(4);
   std::normal_distribution<double> noise(0, 0.2);
-  Mesh plane = grid(40, 40), block = cube(12);
+  Mesh plane = grid(40, 40), block = split_cube(12);
   const Features exact = find(block);
   for (const VertexHandle v : plane.vertices()) plane.point(v)[2] += noise(random);
   for (const VertexHandle v : block.vertices()) {

@@ -11,7 +11,7 @@ using namespace tri::test;
 
 namespace {
 
-constexpr HoleStrategy strategies[] = {HoleStrategy::nearest_diagonal, HoleStrategy::minimum_area_dihedral,
+constexpr HoleStrategy all_strategies[] = {HoleStrategy::nearest_diagonal, HoleStrategy::minimum_area_dihedral,
                                        HoleStrategy::minimum_area, HoleStrategy::least_bending};
 
 /// 20 x 20 cells in the plane without those that `hole` names.
@@ -39,7 +39,7 @@ std::vector<Vec3> seven_points() {
 }  // namespace
 
 TEST_CASE("fill_holes: caps a tube with two flat discs") {
-  for (const auto strategy : strategies)
+  for (const auto strategy : all_strategies)
     for (const int n : {3, 4, 5, 12, 63, 64, 65, 200}) {
       Mesh mesh = tube(n, 4, 2, 0, 5).mesh();
       const double side = mesh_area(view_of(mesh));
@@ -67,7 +67,7 @@ TEST_CASE("fill_holes: a concave hole in a plane is tiled without fold or overla
           [](int i, int j) { return i >= 2 && i < 17 && j >= 2 && j < 17 && (j == 2 || i % 2 == 0); }),  // comb
       sheet_without([](int i, int j) { return i == 7 && j == 9; }),
   };
-  for (const auto strategy : strategies)
+  for (const auto strategy : all_strategies)
     for (const auto& shape : shapes) {
       Mesh mesh = shape.mesh();
       Context context;
@@ -84,7 +84,7 @@ TEST_CASE("fill_holes: a concave hole in a plane is tiled without fold or overla
 
 TEST_CASE("fill_holes: a hole in a sphere is closed along the sphere") {
   const int n = 40;
-  for (const auto strategy : strategies) {
+  for (const auto strategy : all_strategies) {
     PatchShape s;
     s.nu = s.nv = n;
     s.closed_u = true;
@@ -122,7 +122,7 @@ TEST_CASE("fill_holes: minimum-area-dihedral has no larger area than nearest-dia
   for (int k = 0; k < 2; ++k) {
     Mesh mesh = s.mesh();
     Context context;
-    fill_holes(view_of(mesh), {.strategy = strategies[k]}, context);
+    fill_holes(view_of(mesh), {.strategy = all_strategies[k]}, context);
     CHECK_VALID_MESH(mesh);
     CHECK(euler_characteristic(mesh) == 2);
     area[k] = mesh_area(view_of(mesh));
@@ -175,7 +175,7 @@ TEST_CASE("fill_holes: never doubles an edge; a hole without another triangulati
     if (t[0] != 0 && t[1] != 0 && t[2] != 0) star_removed.push_back(t);
   for (const auto& t : torus7())
     if (t != std::array<int, 3>{0, 1, 3} && t != std::array<int, 3>{0, 3, 2}) two_removed.push_back(t);
-  for (const auto strategy : strategies) {
+  for (const auto strategy : all_strategies) {
     Mesh mesh = make_mesh(seven_points(), star_removed);
     const Snapshot before = snapshot(view_of(mesh));
     Context context;
@@ -195,7 +195,7 @@ TEST_CASE("fill_holes: never doubles an edge; a hole without another triangulati
 }
 
 TEST_CASE("fill_holes: an island in a hole is joined, every vertex kept; one in the island's hole too") {
-  for (const auto strategy : strategies) {
+  for (const auto strategy : all_strategies) {
     // A ring around an island around a hole around an island.
     Mesh mesh = sheet_without([](int i, int j) {
                   const int d = std::max(std::abs(i - 10), std::abs(j - 10));
@@ -275,7 +275,7 @@ TEST_CASE("fill_holes: a cap over a ring-shaped gap in a sphere is an island, an
     return Vec3(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude));
   };
   s.keep = [](int, int j) { return j < 34 || j >= 36; };
-  for (const auto strategy : strategies) {
+  for (const auto strategy : all_strategies) {
     Mesh mesh = s.mesh();
     Context context;
     const Report report = fill_holes(view_of(mesh), {.strategy = strategy}, context);
@@ -371,7 +371,7 @@ TEST_CASE("fill_holes: a filling goes round what stands in its way where it can;
     return make_mesh(points, triangles);
   };
   Context context;
-  for (const auto strategy : strategies) {
+  for (const auto strategy : all_strategies) {
     Mesh mesh = pierced(-2, 2);
     const Report report = fill_holes(view_of(mesh), {.strategy = strategy}, context);
     CHECK(report.figures.at("holes filled") == 1);

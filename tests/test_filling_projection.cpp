@@ -14,9 +14,10 @@
 
 using namespace tri;
 
+using std::numbers::pi;
+
 namespace {
 
-constexpr double pi = std::numbers::pi;
 
 struct Holed {
   Mesh mesh;
@@ -66,7 +67,7 @@ std::array<Vec3, 3> places(const Holed& h, const VertexTriple& t) {
   return {h.mesh.point(t[0]), h.mesh.point(t[1]), h.mesh.point(t[2])};
 }
 
-bool meet(const Holed& h, const VertexTriple& t, const VertexTriple& u) {
+bool meet_in_space(const Holed& h, const VertexTriple& t, const VertexTriple& u) {
   const auto p = places(h, t), q = places(h, u);
   if (!triangle_has_area(p[0], p[1], p[2]) || !triangle_has_area(q[0], q[1], q[2])) return false;
   const auto names = [](const VertexTriple& x) {
@@ -76,7 +77,7 @@ bool meet(const Holed& h, const VertexTriple& t, const VertexTriple& u) {
   return triangles_meet(names(t), p, names(u), q);
 }
 
-VertexTriple corners(const Holed& h, FaceHandle f) {
+VertexTriple corners_of_filling(const Holed& h, FaceHandle f) {
   VertexTriple t;
   std::size_t k = 0;
   for (const VertexHandle v : h.mesh.fv_ccw_range(f)) t[k++] = v;
@@ -92,8 +93,8 @@ std::size_t check_against_all_pairs(Holed& h) {
   for (std::size_t t = 0; t < h.filling.size(); ++t) {
     if (doubt[t]) continue;
     ++shown;
-    for (std::size_t u = 0; u < h.filling.size(); ++u) wrong += u != t && meet(h, h.filling[t], h.filling[u]);
-    for (const FaceHandle f : h.mesh.faces()) wrong += projection.covers(f) && meet(h, h.filling[t], corners(h, f));
+    for (std::size_t u = 0; u < h.filling.size(); ++u) wrong += u != t && meet_in_space(h, h.filling[t], h.filling[u]);
+    for (const FaceHandle f : h.mesh.faces()) wrong += projection.covers(f) && meet_in_space(h, h.filling[t], corners_of_filling(h, f));
   }
   CHECK(wrong == 0);
   return shown;
@@ -158,7 +159,7 @@ TEST_CASE("FillingProjection: triangles at a vertex with a second gap around it 
   });
   const VertexHandle v = h.ring[5];
   for (const FaceHandle f : h.mesh.vf_range(v)) {
-    const VertexTriple t = corners(h, f);
+    const VertexTriple t = corners_of_filling(h, f);
     if (std::count_if(t.begin(), t.end(), [&](VertexHandle w) { return w.idx() < 30; }) > 1) continue;
     h.mesh.delete_face(f, false);
     break;
@@ -199,7 +200,7 @@ TEST_CASE("FillingObstacles: what is not in doubt crosses nothing, not even part
     const std::vector<char> doubt = obstacles.in_doubt(h.filling);
     for (std::size_t t = 0; t < h.filling.size(); ++t) {
       int met = 0;
-      for (const FaceHandle f : h.mesh.faces()) met += meet(h, h.filling[t], corners(h, f));
+      for (const FaceHandle f : h.mesh.faces()) met += meet_in_space(h, h.filling[t], corners_of_filling(h, f));
       CHECK(obstacles.crossings(h.filling[t]) == met);
       if (!doubt[t]) CHECK(met == 0);
       shown += !doubt[t];
@@ -227,7 +228,7 @@ TEST_CASE("FillingObstacles: every triangle at an edge crosses the faces that th
     const std::vector<FaceHandle> found = obstacles.pierced(a, b);
     std::vector<FaceHandle> expected;
     for (const FaceHandle f : h.mesh.faces()) {
-      const VertexTriple t = corners(h, f);
+      const VertexTriple t = corners_of_filling(h, f);
       if (std::find(t.begin(), t.end(), a) == t.end() && std::find(t.begin(), t.end(), b) == t.end() &&
           segment_pierces(h.mesh.point(a), h.mesh.point(b), places(h, t)))
         expected.push_back(f);

@@ -26,11 +26,11 @@ Report flip(Mesh& mesh, const FlipDiagonalsOptions& options = {}) {
   return report;
 }
 
-bool joined(const Mesh& mesh, int a, int b) {
+bool share_edge(const Mesh& mesh, int a, int b) {
   return mesh.find_halfedge(VertexHandle(a), VertexHandle(b)).is_valid();
 }
 
-std::array<Vec3, 3> corners(const Mesh& mesh, FaceHandle f) {
+std::array<Vec3, 3> corner_points(const Mesh& mesh, FaceHandle f) {
   std::array<Vec3, 3> p;
   int k = 0;
   for (const VertexHandle v : mesh.fv_range(f)) p[k++] = mesh.point(v);
@@ -38,7 +38,7 @@ std::array<Vec3, 3> corners(const Mesh& mesh, FaceHandle f) {
 }
 
 Vec3 unit_normal(const Mesh& mesh, FaceHandle f) {
-  const auto [a, b, c] = corners(mesh, f);
+  const auto [a, b, c] = corner_points(mesh, f);
   return ((b - a) % (c - a)).normalized();
 }
 
@@ -58,7 +58,7 @@ double excess(const Mesh& mesh, double sharp) {
 std::vector<double> sorted_smallest_angles(const Mesh& mesh) {
   std::vector<double> angles;
   for (const FaceHandle f : mesh.faces()) {
-    const auto p = corners(mesh, f);
+    const auto p = corner_points(mesh, f);
     double smallest = pi;
     for (int k = 0; k < 3; ++k) {
       const Vec3 x = (p[(k + 1) % 3] - p[k]).normalized(), y = (p[(k + 2) % 3] - p[k]).normalized();
@@ -131,9 +131,9 @@ double least_curvature(const Mesh& start) {
   const auto key = [](const Mesh& mesh) {
     Key result;
     for (const FaceHandle f : mesh.faces()) {
-      std::set<int> corners;
-      for (const VertexHandle v : mesh.fv_range(f)) corners.insert(v.idx());
-      result.insert(corners);
+      std::set<int> corner_points;
+      for (const VertexHandle v : mesh.fv_range(f)) corner_points.insert(v.idx());
+      result.insert(corner_points);
     }
     return result;
   };
@@ -181,8 +181,8 @@ TEST_CASE("flip_diagonals: a flat quadrilateral gets the diagonal with the large
   const Report report = flip(mesh);
   CHECK(report.edges_flipped == 1);
   CHECK(report.touched_faces == std::vector<std::uint32_t>{0, 1});
-  CHECK(joined(mesh, 0, 2));
-  CHECK_FALSE(joined(mesh, 1, 3));
+  CHECK(share_edge(mesh, 0, 2));
+  CHECK_FALSE(share_edge(mesh, 1, 3));
   CHECK(report.figures.at("smallest angle after") == doctest::Approx(2 * std::atan2(1, 3) * 180 / pi));
   CHECK(flip(mesh).unchanged());
 }
@@ -236,7 +236,7 @@ TEST_CASE("flip_diagonals: edges are laid along the ridge of a roof, whatever th
   }
   Mesh mesh = make_mesh(points, triangles);
   CHECK(flip(mesh).edges_flipped == n);
-  for (int i = 0; i < n; ++i) CHECK(joined(mesh, i, i + 1));
+  for (int i = 0; i < n; ++i) CHECK(share_edge(mesh, i, i + 1));
   // By shape alone the crossing diagonals (length 2 against 3) would win.
   CHECK(flip(mesh).unchanged());
 }
@@ -246,7 +246,7 @@ TEST_CASE("flip_diagonals: a triangle without area is resolved") {
       make_mesh({{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 2, 0}, {1, -2, 0}}, {{0, 1, 2}, {0, 2, 3}, {2, 1, 3}, {1, 0, 4}});
   const Report report = flip(mesh);
   CHECK(report.edges_flipped == 1);
-  CHECK(joined(mesh, 2, 4));
+  CHECK(share_edge(mesh, 2, 4));
   CHECK(report.figures.at("smallest angle before") == 0);
   CHECK(report.figures.at("smallest angle after") == doctest::Approx(std::atan2(1, 2) * 180 / pi));
 }
@@ -369,7 +369,7 @@ TEST_CASE("flip_diagonals delaunay: a triangle without area is resolved; points 
   Mesh mesh =
       make_mesh({{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 2, 0}, {1, -2, 0}}, {{0, 1, 2}, {0, 2, 3}, {2, 1, 3}, {1, 0, 4}});
   CHECK(flip(mesh, {.criterion = FlipRule::delaunay}).edges_flipped == 1);
-  CHECK(joined(mesh, 2, 4));
+  CHECK(share_edge(mesh, 2, 4));
   Mesh heap = bumpy_grid(6, 6);
   for (int i = 14; i < 20; ++i) heap.point(VertexHandle(i)) = heap.point(VertexHandle(14));
   heap.point(VertexHandle(30))[1] = std::nan("");

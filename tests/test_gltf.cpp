@@ -64,10 +64,10 @@ Document square() {
   return document;
 }
 
-Soup read(Document& document, MeshFileInfo* info = nullptr) {
+Soup read_document(Document& document, MeshFileInfo* info = nullptr) {
   return parsed(document.text(), "a.gltf", info);
 }
-std::string error_of(Document& document) {
+std::string document_error(Document& document) {
   return refused(document.text(), "a.gltf").what();
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("gltf: lists, strips and fans, with indices of every type and without"
     if (type == 5123)
       document.indices(raw(std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{3}), type, 4);
     if (type == 5125) document.indices(raw(0u, 1u, 2u, 3u), type, 4);
-    return read(document).triangles;
+    return read_document(document).triangles;
   };
   for (const int type : {0, 5121, 5123, 5125}) {
     CAPTURE(type);
@@ -116,7 +116,7 @@ TEST_CASE("gltf: points and lines are counted and left") {
   document.json["meshes"][0]["primitives"][0]["mode"] = 0;
   document.json["meshes"][0]["primitives"][1]["mode"] = 3;
   MeshFileInfo info;
-  CHECK(read(document, &info).triangles.size() == 1);
+  CHECK(read_document(document, &info).triangles.size() == 1);
   CHECK(has_note(info.notes, "1 primitives of lines, 1 primitives of points"));
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("gltf: nodes put meshes where their transforms say, level within level
       {"mesh": 0, "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476], "scale": [2, 1, 1]},
       {"mesh": 0, "matrix": [-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 5, 1]}])");
   MeshFileInfo info;
-  const Soup soup = read(document, &info);
+  const Soup soup = read_document(document, &info);
   REQUIRE(soup.points.size() == 8);
   // The first: stretched along x, turned by 90 degrees about z, moved. (1, 0, 0) -> (2, 0, 0) -> (0, 2, 0) -> (10, 2,
   // 0).
@@ -152,7 +152,7 @@ TEST_CASE("gltf: primitives that name the same accessors share their vertices") 
   document.json["materials"] = {{{"name", "steel"}, {"doubleSided", true}}};
   document.json["meshes"][0]["primitives"].push_back(second);
   MeshFileInfo info;
-  const Soup soup = read(document, &info);
+  const Soup soup = read_document(document, &info);
   CHECK(soup.points.size() == 4);
   CHECK(soup.triangles == std::vector<Triangle>{{0, 1, 2}, {2, 1, 3}});
   CHECK(soup.face_scalars.at("material") == std::vector<double>{-1, 0});
@@ -180,7 +180,7 @@ TEST_CASE("gltf: colours, normals, texture coordinates and an application's numb
                                                  {"indices", {{"bufferView", places}, {"componentType", 5121}}},
                                                  {"values", {{"bufferView", values}}}};
   MeshFileInfo info;
-  const Soup soup = read(document, &info);
+  const Soup soup = read_document(document, &info);
   CHECK(soup.vertex_normals == std::vector<Vec3>{{0, 0, 1}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}});
   CHECK(soup.vertex_colors ==
         std::vector<std::array<std::uint8_t, 3>>{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {0, 0, 0}});
@@ -196,7 +196,7 @@ TEST_CASE("gltf: what is wrong is refused, with the element") {
     Document document = square();
     document.indices(raw(0u, 1u, 2u), 5125, 3);
     spoil(document);
-    const std::string error = error_of(document);
+    const std::string error = document_error(document);
     CAPTURE(error);
     CHECK(error.starts_with("a.gltf: " + element));
     CHECK(error.find(what) != std::string::npos);

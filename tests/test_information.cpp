@@ -12,8 +12,6 @@ using namespace tri;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 PointResidual residual(const Vec3& at, const Vec3& direction) {
   PointResidual r;
   r.at = at;
@@ -96,7 +94,7 @@ TEST_CASE("information_of: a helicoid screws along itself") {
   REQUIRE(info.freedoms.size() == 1);
   CHECK(info.freedoms[0].kind == Freedom::Kind::screw);
   CHECK(info.freedoms[0].axis[2] == doctest::Approx(1));
-  CHECK(std::abs(info.freedoms[0].pitch) == doctest::Approx(4 * pi));
+  CHECK(std::abs(info.freedoms[0].pitch) == doctest::Approx(4 * std::numbers::pi));
 }
 
 TEST_CASE("information_of: three planes fix the pose, and the standard deviations are those of least squares") {
@@ -128,6 +126,6 @@ TEST_CASE("is_free: motions of a cylinder, and others") {
   CHECK(is_free(Pose(), freedoms, centre, 10, 0.01));
   CHECK(is_free(motion({0, 0, 2}, {0, 0, 3}, axis), freedoms, centre, 10, 0.01));
   CHECK_FALSE(is_free(motion({0, 0, 2}, {0, 0.1, 3}, axis), freedoms, centre, 10, 0.01));
-  CHECK_FALSE(is_free(motion({pi, 0, 0}, {0, 0, 0}, to_eigen(centre)), freedoms, centre, 10, 0.01));
+  CHECK_FALSE(is_free(motion({std::numbers::pi, 0, 0}, {0, 0, 0}, to_eigen(centre)), freedoms, centre, 10, 0.01));
   CHECK_FALSE(is_free(motion({0, 0, 2}, {0, 0, 0}, axis), {}, centre, 10, 0.01));
 }

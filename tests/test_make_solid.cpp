@@ -17,7 +17,7 @@ using namespace tri;
 
 namespace {
 
-Soup box(const Vec3& low, const Vec3& high, std::uint32_t cells = 1) {
+Soup cell_box(const Vec3& low, const Vec3& high, std::uint32_t cells = 1) {
   Soup soup;
   std::map<std::array<double, 3>, std::uint32_t> index;
   const auto vertex = [&](Vec3 p) {
@@ -44,7 +44,7 @@ Soup box(const Vec3& low, const Vec3& high, std::uint32_t cells = 1) {
   return soup;
 }
 
-void append(Soup& soup, const Soup& other) {
+void put_beside(Soup& soup, const Soup& other) {
   const auto first = static_cast<std::uint32_t>(soup.points.size());
   soup.points.insert(soup.points.end(), other.points.begin(), other.points.end());
   for (const Triangle& t : other.triangles) soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -144,9 +144,9 @@ Soup with_defects(unsigned kinds, std::uint32_t seed) {
   std::mt19937 random(seed);
   const auto number = [&](std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); };
   const auto real = [&] { return static_cast<double>(random() % 100000) / 100000; };
-  Soup soup = turned(box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2 + number(2)), real(), Vec3(real() + 0.1, real(), real()));
+  Soup soup = turned(cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2 + number(2)), real(), Vec3(real() + 0.1, real(), real()));
   if (kinds & 1)  // another solid through it
-    append(soup, turned(box(Vec3(0.3, 0.2, 0.4), Vec3(1.4, 0.9, 0.8), 1 + number(2)), real(), Vec3(real(), real(), 1)));
+    put_beside(soup, turned(cell_box(Vec3(0.3, 0.2, 0.4), Vec3(1.4, 0.9, 0.8), 1 + number(2)), real(), Vec3(real(), real(), 1)));
   if (kinds & 2)  // holes
     for (int i = 0; i < 3; ++i) soup.triangles.erase(soup.triangles.begin() + number(static_cast<std::uint32_t>(soup.triangles.size())));
   if (kinds & 4)  // reversed triangles
@@ -180,7 +180,7 @@ Soup with_defects(unsigned kinds, std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE("make-solid: returns a solid as it is") {
-  const Soup cube = turned(box(Vec3(0, 0, 0), Vec3(1, 2, 3), 3), 0.3, Vec3(1, 2, 3));
+  const Soup cube = turned(cell_box(Vec3(0, 0, 0), Vec3(1, 2, 3), 3), 0.3, Vec3(1, 2, 3));
   Soup soup = cube;
   Context context;
   const Report report = make_solid(soup, {}, context);
@@ -190,10 +190,10 @@ TEST_CASE("make-solid: returns a solid as it is") {
 }
 
 TEST_CASE("make-solid: a solid with a cavity stays as it is") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(3, 3, 3));
-  Soup cavity = box(Vec3(1, 1, 1), Vec3(2, 2, 2));
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(3, 3, 3));
+  Soup cavity = cell_box(Vec3(1, 1, 1), Vec3(2, 2, 2));
   for (Triangle& t : cavity.triangles) std::swap(t[0], t[1]);
-  append(soup, cavity);
+  put_beside(soup, cavity);
   const Soup before = soup;
   Context context;
   CHECK(make_solid(soup, {}, context).unchanged());
@@ -201,8 +201,8 @@ TEST_CASE("make-solid: a solid with a cavity stays as it is") {
 }
 
 TEST_CASE("make-solid: the union of two boxes has the volume of the union, walls dropped") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(2, 2, 2));
-  append(soup, box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(2, 2, 2));
+  put_beside(soup, cell_box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
   Context context;
   make_solid(soup, {.keep_walls = false}, context);
   CHECK(closed_manifold(soup));
@@ -211,8 +211,8 @@ TEST_CASE("make-solid: the union of two boxes has the volume of the union, walls
 }
 
 TEST_CASE("make-solid: with walls kept, the volume is that of the union but for thin gaps and nothing is lost") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(2, 2, 2));
-  append(soup, box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(2, 2, 2));
+  put_beside(soup, cell_box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
   const Soup before = soup;
   Context context;
   make_solid(soup, {}, context);
@@ -237,8 +237,8 @@ TEST_CASE("make-solid: a flat sheet becomes a thin plate") {
   CHECK(share_kept(before, soup) == 1);
 }
 
-TEST_CASE("make-solid: a box without its lid is closed") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 3);
+TEST_CASE("make-solid: a cell_box without its lid is closed") {
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 3);
   soup.triangles.resize(soup.triangles.size() - 18);
   Context context;
   const Report report = make_solid(soup, {}, context);
@@ -247,8 +247,8 @@ TEST_CASE("make-solid: a box without its lid is closed") {
   CHECK(volume(soup) == doctest::Approx(1));
 }
 
-TEST_CASE("make-solid: an inside-out box is turned") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
+TEST_CASE("make-solid: an inside-out cell_box is turned") {
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
   for (Triangle& t : soup.triangles) std::swap(t[0], t[1]);
   Context context;
   CHECK_FALSE(make_solid(soup, {}, context).unchanged());
@@ -256,8 +256,8 @@ TEST_CASE("make-solid: an inside-out box is turned") {
 }
 
 TEST_CASE("make-solid: attributes are kept and interpolated") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(2, 2, 2));
-  append(soup, box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(2, 2, 2));
+  put_beside(soup, cell_box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
   for (const Vec3& p : soup.points) soup.vertex_scalars["height"].push_back(p[2]);
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) soup.face_scalars["body"].push_back(t < 12 ? 0 : 1);
   Context context;
@@ -335,17 +335,17 @@ TEST_CASE("make-solid: for single precision the result is a solid by place, ever
   Context context;
   // Each of these has sheets, walls, or solids that touch; the coordinates are no floats.
   std::vector<std::pair<std::string, Soup>> cases;
-  Soup soup = box(Vec3(0, 0, 0), Vec3(2, 2, 2));
-  append(soup, box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(2, 2, 2));
+  put_beside(soup, cell_box(Vec3(1, 0.5, 0.5), Vec3(3, 1.5, 1.5)));
   cases.emplace_back("boxes through each other", soup);
-  soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  append(soup, box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
+  soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
+  put_beside(soup, cell_box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
   cases.emplace_back("boxes that touch in an edge", soup);
-  soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
-  append(soup, box(Vec3(1, 1, 1), Vec3(2, 2, 2), 2));
+  soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
+  put_beside(soup, cell_box(Vec3(1, 1, 1), Vec3(2, 2, 2), 2));
   cases.emplace_back("boxes that touch in a corner", soup);
-  soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
-  append(soup, box(Vec3(1, 0, 0), Vec3(2, 1, 1), 2));
+  soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
+  put_beside(soup, cell_box(Vec3(1, 0, 0), Vec3(2, 1, 1), 2));
   cases.emplace_back("boxes that touch in a face", soup);
   soup = Soup{};
   soup.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0), Vec3(0.5, 0.5, 0.7)};
@@ -389,7 +389,7 @@ TEST_CASE("make-solid: for single precision also sheets that meet in one point c
 
 TEST_CASE("make-solid: lids that lie nearly in one plane and overlap come to an end") {
   Soup soup = tube(48, Vec3(0, 0, 0));
-  append(soup, tube(37, Vec3(0.4, 0.3, 0)));
+  put_beside(soup, tube(37, Vec3(0.4, 0.3, 0)));
   soup = turned(soup, 0.9, Vec3(1, -2, 0.5));
   const Soup before = soup;
   Context context;
@@ -402,8 +402,8 @@ TEST_CASE("make-solid: lids that lie nearly in one plane and overlap come to an 
 }
 
 TEST_CASE("repair: a solid is returned as it is, with vertices that coincide and vertices that nothing uses") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
-  append(soup, box(Vec3(1, 1, 1), Vec3(2, 2, 2), 2));  // touch in a corner
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
+  put_beside(soup, cell_box(Vec3(1, 1, 1), Vec3(2, 2, 2), 2));  // touch in a corner
   soup.points.push_back(Vec3(5, 5, 5));
   const Soup before = soup;
   Context context;
@@ -443,7 +443,7 @@ TEST_CASE("repair: what cannot become a solid is left, counted and named") {
 }
 
 TEST_CASE("repair: the deviation is that of what was closed, and every place lies on what a step made") {
-  Soup soup = box(Vec3(0, 0, 0), Vec3(1, 1, 1), 4);
+  Soup soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 4);
   soup.triangles.resize(soup.triangles.size() - 32);  // the last side goes
   Context context;
   const RepairResult result = repair(soup, {.goal = RepairGoal::solid}, context);

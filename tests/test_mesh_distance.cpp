@@ -15,7 +15,7 @@ namespace {
 
 // A rectangle in z = height as a grid of cells, without those that `keep` refuses.
 template <class Keep>
-Soup sheet(Vec2 low, Vec2 high, double height, int cells, Keep keep) {
+Soup flat_sheet(Vec2 low, Vec2 high, double height, int cells, Keep keep) {
   Soup soup;
   for (int j = 0; j <= cells; ++j)
     for (int i = 0; i <= cells; ++i)
@@ -30,11 +30,11 @@ Soup sheet(Vec2 low, Vec2 high, double height, int cells, Keep keep) {
   return soup;
 }
 
-Soup sheet(Vec2 low, Vec2 high, double height, int cells) {
-  return sheet(low, high, height, cells, [](int, int) { return true; });
+Soup flat_sheet(Vec2 low, Vec2 high, double height, int cells) {
+  return flat_sheet(low, high, height, cells, [](int, int) { return true; });
 }
 
-Soup sphere(double radius, int rings) {
+Soup ring_sphere(double radius, int rings) {
   Soup soup;
   const int around = 2 * rings;
   for (int i = 0; i <= rings; ++i)
@@ -83,7 +83,7 @@ TEST_CASE("closest_triangle: agrees with every triangle tried in turn, with any 
 }
 
 TEST_CASE("mesh_distance: two parallel sheets are as far apart as their planes, however they are triangulated") {
-  const MeshDistance d = distance(sheet({0, 0}, {2, 1}, 0.25, 7), sheet({0, 0}, {2, 1}, 0, 5));
+  const MeshDistance d = distance(flat_sheet({0, 0}, {2, 1}, 0.25, 7), flat_sheet({0, 0}, {2, 1}, 0, 5));
   for (const double value : {d.hausdorff, d.hausdorff_bound, d.mean, d.rms, d.forward.rms, d.backward.mean})
     CHECK(value == doctest::Approx(0.25).epsilon(0.0101));
   CHECK(d.rms == doctest::Approx(0.25).epsilon(1e-9));
@@ -98,7 +98,7 @@ TEST_CASE("mesh_distance: a sheet that juts out is far only in its own direction
   // The large sheet's corners are the diagonal of the margin away from the small one's.
   const double h = 0.1, margin = 0.5;
   const MeshDistance d =
-      distance(sheet({0, 0}, {1, 1}, h, 4), sheet({-margin, -margin}, {1 + margin, 1 + margin}, 0, 9));
+      distance(flat_sheet({0, 0}, {1, 1}, h, 4), flat_sheet({-margin, -margin}, {1 + margin, 1 + margin}, 0, 9));
   CHECK(d.forward.max == doctest::Approx(h).epsilon(1e-9));
   CHECK(d.backward.max == doctest::Approx(std::sqrt(h * h + 2 * margin * margin)).epsilon(1e-9));
   CHECK(d.hausdorff == d.backward.max);
@@ -111,11 +111,11 @@ TEST_CASE("mesh_distance: a sheet that juts out is far only in its own direction
 
 TEST_CASE("mesh_distance: the farthest place is found inside a triangle, away from all vertices and samples") {
   // Two triangles over a sheet with a square hole: the middle of the hole is half its width from its rim.
-  const Soup holed = sheet({0, 0}, {1, 1}, 0, 10, [](int i, int j) { return i < 2 || i >= 6 || j < 5 || j >= 9; });
+  const Soup holed = flat_sheet({0, 0}, {1, 1}, 0, 10, [](int i, int j) { return i < 2 || i >= 6 || j < 5 || j >= 9; });
   MeshDistanceOptions options;
   options.samples = 1;
   options.relative_error = 1e-4;
-  const MeshDistance d = distance(sheet({0, 0}, {1, 1}, 0, 1), holed, options);
+  const MeshDistance d = distance(flat_sheet({0, 0}, {1, 1}, 0, 1), holed, options);
   CHECK(d.forward.max <= 0.2 + 1e-12);
   CHECK(d.forward.max_bound >= 0.2 - 1e-12);
   CHECK(d.forward.max_bound - d.forward.max <= 1e-4 * d.forward.max);
@@ -125,14 +125,14 @@ TEST_CASE("mesh_distance: the farthest place is found inside a triangle, away fr
 }
 
 TEST_CASE("mesh_distance: when the searches are used up the bounds still hold the truth") {
-  const Soup holed = sheet({0, 0}, {1, 1}, 0, 10, [](int i, int j) { return i < 2 || i >= 6 || j < 5 || j >= 9; });
+  const Soup holed = flat_sheet({0, 0}, {1, 1}, 0, 10, [](int i, int j) { return i < 2 || i >= 6 || j < 5 || j >= 9; });
   MeshDistanceOptions options;
   options.samples = 1;
   double gap = std::numeric_limits<double>::infinity();
   for (const std::uint64_t searches : {0, 30, 3000}) {
     options.max_searches = searches;
     options.relative_error = 1e-9;
-    const OneSidedDistance d = distance(sheet({0, 0}, {1, 1}, 0, 1), holed, options).forward;
+    const OneSidedDistance d = distance(flat_sheet({0, 0}, {1, 1}, 0, 1), holed, options).forward;
     CHECK(d.max <= 0.2 + 1e-12);
     CHECK(d.max_bound >= 0.2 - 1e-12);
     CHECK(d.max_bound - d.max < gap);
@@ -143,8 +143,8 @@ TEST_CASE("mesh_distance: when the searches are used up the bounds still hold th
 TEST_CASE("mesh_distance: concentric spheres are as far apart as their radii differ, to the depth of a facet") {
   const int rings = 24;
   const double sagitta =
-      1 - std::pow(std::cos(std::numbers::pi / rings), 2);  // a facet of the unit sphere dips at most so deep
-  const MeshDistance d = distance(sphere(1.2, rings), sphere(1, rings + 1));
+      1 - std::pow(std::cos(std::numbers::pi / rings), 2);  // a facet of the unit ring_sphere dips at most so deep
+  const MeshDistance d = distance(ring_sphere(1.2, rings), ring_sphere(1, rings + 1));
   CHECK(d.hausdorff >= 0.2 - 1e-12);
   CHECK(d.hausdorff_bound <= 0.2 + 1.2 * sagitta + 0.01 * d.hausdorff);
   CHECK(d.rms == doctest::Approx(0.2).epsilon(1.2 * sagitta / 0.2));
@@ -154,7 +154,7 @@ TEST_CASE("mesh_distance: concentric spheres are as far apart as their radii dif
 TEST_CASE("mesh_distance: the bounds hold against a dense sampling by brute force") {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> place(-0.3, 0.3);
-  Soup a = sphere(1, 5), b = sphere(1, 4);
+  Soup a = ring_sphere(1, 5), b = ring_sphere(1, 4);
   for (Soup* soup : {&a, &b})
     for (Vec3& p : soup->points) p += Vec3(place(random), place(random), place(random));
   const MeshDistance d = distance(a, b);
@@ -181,7 +181,7 @@ TEST_CASE("mesh_distance: the bounds hold against a dense sampling by brute forc
 }
 
 TEST_CASE("mesh_distance: a mesh is no distance from itself, and unused vertices are no part of it") {
-  Soup a = sphere(1, 8);
+  Soup a = ring_sphere(1, 8);
   a.points.push_back({9, 0, 0});
   const MeshDistance d = distance(a, a);
   CHECK(d.hausdorff <= 1e-12);
@@ -191,7 +191,7 @@ TEST_CASE("mesh_distance: a mesh is no distance from itself, and unused vertices
 }
 
 TEST_CASE("mesh_distance: the same to the last bit for any number of threads and the same seed") {
-  const Soup a = sphere(1, 12), b = sphere(1.1, 9);
+  const Soup a = ring_sphere(1, 12), b = ring_sphere(1.1, 9);
   const auto with = [&](int threads, std::uint64_t seed) {
     Context context;
     context.threads = threads;
@@ -209,7 +209,7 @@ TEST_CASE("mesh_distance: the same to the last bit for any number of threads and
 }
 
 TEST_CASE("mesh_distance: refuses what has no surface, heeds a cancel, and takes a mesh without area by its vertices") {
-  const Soup a = sphere(1, 4);
+  const Soup a = ring_sphere(1, 4);
   Soup points = a, infinite = a, line;
   points.triangles.clear();
   infinite.points[0][1] = std::numeric_limits<double>::infinity();
@@ -224,7 +224,7 @@ TEST_CASE("mesh_distance: refuses what has no surface, heeds a cancel, and takes
   CHECK_THROWS_AS(mesh_distance(a, a, {}, context), Cancelled);
   line.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
   line.triangles = {{0, 1, 2}};
-  const MeshDistance d = distance(line, sheet({0, 0}, {1, 1}, 0, 2));
+  const MeshDistance d = distance(line, flat_sheet({0, 0}, {1, 1}, 0, 2));
   CHECK(d.forward.samples == 0);
   CHECK(d.forward.mean == doctest::Approx(1.0 / 3));
   CHECK(d.forward.max == doctest::Approx(1));

@@ -22,7 +22,7 @@ void append(Soup& soup, const Soup& other) {
 }
 
 // A grid of n x n squares in two triangles each; joined at both pairs of sides it is a torus, at none a sheet.
-Soup grid(std::uint32_t n, bool torus) {
+Soup torus_or_sheet(std::uint32_t n, bool torus) {
   Soup soup;
   const std::uint32_t rows = torus ? n : n + 1;
   for (std::uint32_t i = 0; i < rows; ++i)
@@ -60,11 +60,11 @@ TEST_CASE("summarize: a tetrahedron is closed, oriented, and has its area and vo
 }
 
 TEST_CASE("summarize: loops and Euler characteristic of a sheet, a sheet with holes and a torus") {
-  MeshSummary s = summarize(grid(6, false));
+  MeshSummary s = summarize(torus_or_sheet(6, false));
   CHECK(s.boundary_loops == 1);
   CHECK(s.euler == 1);
   CHECK(s.boundary_edges == 24);
-  Soup holed = grid(6, false);
+  Soup holed = torus_or_sheet(6, false);
   // Squares (1,1) and (3,4) share no vertex.
   holed.triangles.erase(holed.triangles.begin() + 2 * (3 * 6 + 4), holed.triangles.begin() + 2 * (3 * 6 + 4) + 2);
   holed.triangles.erase(holed.triangles.begin() + 2 * (1 * 6 + 1), holed.triangles.begin() + 2 * (1 * 6 + 1) + 2);
@@ -72,7 +72,7 @@ TEST_CASE("summarize: loops and Euler characteristic of a sheet, a sheet with ho
   CHECK(s.boundary_loops == 3);
   CHECK(s.euler == -1);
   CHECK(s.components == 1);
-  s = summarize(grid(6, true));
+  s = summarize(torus_or_sheet(6, true));
   CHECK(s.closed);
   CHECK(s.euler == 0);
   CHECK((s.manifold && s.oriented));
@@ -94,7 +94,7 @@ TEST_CASE("summarize: two parts that touch in a vertex are two components and a 
 }
 
 TEST_CASE("summarize: two holes that touch in a vertex have one chain around both") {
-  Soup soup = grid(6, false);
+  Soup soup = torus_or_sheet(6, false);
   soup.triangles.erase(soup.triangles.begin() + 2 * (2 * 6 + 2), soup.triangles.begin() + 2 * (2 * 6 + 2) + 2);
   soup.triangles.erase(soup.triangles.begin() + 2 * (1 * 6 + 1), soup.triangles.begin() + 2 * (1 * 6 + 1) + 2);
   const MeshSummary s = summarize(soup);

@@ -11,7 +11,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Soup& soup, const OrientOptions& options = {}) {
+Report run_orient(Soup& soup, const OrientOptions& options = {}) {
   Context context;
   return orient(soup, options, context);
 }
@@ -40,7 +40,7 @@ TEST_CASE("orient: a solid faces outward, however its triangles were turned") {
   const Soup right = sphere(9, 5, 2, {10, -3, 4});
   for (const double chance : {0.1, 0.5, 0.9, 1.0}) {
     Soup soup = shuffled(right, chance);
-    run(soup);
+    run_orient(soup);
     CHECK(same_orientation(soup, right));
     CHECK(soup_volume(soup) > 0);
   }
@@ -58,7 +58,7 @@ TEST_CASE("orient: nested shells face by turns, each relative to those around it
   for (std::size_t i = wanted.triangles.size() - 12; i < wanted.triangles.size(); ++i) std::swap(wanted.triangles[i][1], wanted.triangles[i][2]);
   for (const double chance : {0.0, 0.3, 1.0}) {
     Soup soup = shuffled(right, chance);
-    run(soup);
+    run_orient(soup);
     CHECK(same_orientation(soup, wanted));
   }
 }
@@ -69,7 +69,7 @@ TEST_CASE("orient: solids whose boxes are nested but that are not face outward b
   Soup across = joined(shell, cube({2.5, 2.5, 2.5}, 0.8));  // crosses the sphere
   for (Soup* right : {&corner, &across}) {
     Soup soup = turned_around(*right);
-    run(soup);
+    run_orient(soup);
     CHECK(same_orientation(soup, *right));
   }
 }
@@ -78,23 +78,23 @@ TEST_CASE("orient: a cavity that touches the outer shell in a vertex faces inwar
   Soup right = joined(cube({0, 0, 0}, 4), turned_around(cube({1, 1, 1}, 2)));
   right.points[8] = Vec3(0, 2, 2);  // a corner of the cavity on the outer face
   Soup soup = shuffled(right, 1);
-  run(soup);
+  run_orient(soup);
   CHECK(same_orientation(soup, right));
 }
 
 TEST_CASE("orient: an open sheet keeps the direction of its majority") {
   const Soup right = sheet(5, 5);
   Soup few = shuffled(right, 0.2), many = shuffled(right, 0.8);
-  CHECK(run(few).faces_reversed > 0);
+  CHECK(run_orient(few).faces_reversed > 0);
   CHECK(same_orientation(few, right));
-  run(many);
+  run_orient(many);
   CHECK(same_orientation(many, turned_around(right)));
 }
 
 TEST_CASE("orient: without outward a solid that is inside out stays so") {
   Soup soup = turned_around(cube());
-  CHECK(run(soup, {.outward = false}).unchanged());
-  CHECK(run(soup).faces_reversed == 12);
+  CHECK(run_orient(soup, {.outward = false}).unchanged());
+  CHECK(run_orient(soup).faces_reversed == 12);
   CHECK(soup_volume(soup) == doctest::Approx(1));
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("orient: two solids with an edge in common are oriented each on its ow
     for (std::uint32_t& v : t) v = v == 8 ? 3 : v == 12 ? 7 : v;
   Soup soup = right;
   for (std::size_t i = 12; i < 24; ++i) std::swap(soup.triangles[i][0], soup.triangles[i][1]);
-  run(soup);
+  run_orient(soup);
   CHECK(same_orientation(soup, right));
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("orient: a Moebius strip is reported") {
     strip.triangles.push_back({a, c, b});
     strip.triangles.push_back({b, c, d});
   }
-  const Report report = run(strip);
+  const Report report = run_orient(strip);
   CHECK(report.skipped.at("edges of a surface with one side only") >= 1);
   CHECK(summarize(strip).misoriented_edges == report.skipped.at("edges of a surface with one side only"));
 }
@@ -135,7 +135,7 @@ TEST_CASE("orient: vertex normals and corner values follow") {
     std::swap(soup.triangles[i][1], soup.triangles[i][2]);
     std::swap(soup.corner_scalars["x"][3 * i + 1], soup.corner_scalars["x"][3 * i + 2]);
   }
-  run(soup);
+  run_orient(soup);
   CHECK(soup.corner_scalars == right.corner_scalars);
   for (const Vec3& n : soup.vertex_normals) CHECK(n == Vec3(0, 0, -1));
 }

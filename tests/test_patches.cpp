@@ -19,14 +19,14 @@ using namespace tri;
 
 namespace {
 
-struct Measured {
+struct MeasuredPart {
   CadModel model;
   std::vector<Vec3> points;
   std::vector<Foot> feet;
 };
 
 // The truth of a virtual measurement stands in for the registration.
-Measured measured(const Shape& shape, std::uint64_t n, SamplingPattern pattern = SamplingPattern::random,
+MeasuredPart measured_part(const Shape& shape, std::uint64_t n, SamplingPattern pattern = SamplingPattern::random,
                   double noise = 0.001) {
   Context context;
   MeasurementOptions options;
@@ -34,7 +34,7 @@ Measured measured(const Shape& shape, std::uint64_t n, SamplingPattern pattern =
   options.pattern = pattern;
   options.noise = noise;
   const VirtualMeasurement m = measure(shape, options, context);
-  Measured result{make_cad_model(shape), m.points, {}};
+  MeasuredPart result{make_cad_model(shape), m.points, {}};
   result.feet = test::true_feet(result.model, m);
   return result;
 }
@@ -92,7 +92,7 @@ Counted check_manifold(const PointMesh& mesh) {
 }
 
 // Share of the area that faces against the model.
-double turned_share(const Measured& m, const PointMesh& mesh) {
+double turned_share(const MeasuredPart& m, const PointMesh& mesh) {
   double all = 0, turned = 0;
   for (const auto& t : mesh.triangles) {
     const Vec3 n = (m.points[t[1]] - m.points[t[0]]) % (m.points[t[2]] - m.points[t[0]]);
@@ -104,7 +104,7 @@ double turned_share(const Measured& m, const PointMesh& mesh) {
   return turned / all;
 }
 
-void check_complete(const Measured& m, const PatchesOptions& options = {}) {
+void check_complete(const MeasuredPart& m, const PatchesOptions& options = {}) {
   Context context;
   const PatchConnection result = connect_by_patches(m.model, m.feet, m.points, options, context);
   CHECK(result.failed_faces.empty());
@@ -128,7 +128,7 @@ TEST_CASE(
     for (const std::uint64_t n : {300, 3000}) {
       CAPTURE(solid.name);
       CAPTURE(n);
-      const Measured m = measured(make_shape(solid.shape), n);
+      const MeasuredPart m = measured_part(make_shape(solid.shape), n);
       CHECK(cad_topology(m.model).euler == solid.euler);
       check_complete(m);
     }
@@ -139,16 +139,16 @@ TEST_CASE("connect_by_patches: every example part keeps its topology and every p
   for (const ExamplePart& part : example_parts()) {
     CAPTURE(part.name);
     const Shape shape = example_part(part.name);
-    check_complete(measured(shape, 3400, SamplingPattern::random, 0.01));
-    check_complete(measured(shape, 8000, SamplingPattern::scan, 0.01));
+    check_complete(measured_part(shape, 3400, SamplingPattern::random, 0.01));
+    check_complete(measured_part(shape, 8000, SamplingPattern::scan, 0.01));
   }
 }
 
 TEST_CASE("connect_by_patches: a face without points leaves no hole") {
-  Measured m = measured(make_shape(test::box_with_hole()), 2000);
+  MeasuredPart m = measured_part(make_shape(test::box_with_hole()), 2000);
   for (std::size_t f = 0; f < m.model.faces.size(); ++f) {
     CAPTURE(f);
-    Measured without = m;
+    MeasuredPart without = m;
     for (Foot& foot : without.feet)
       if (foot.face == static_cast<int>(f)) foot.face = -1;
     Context context;
@@ -161,7 +161,7 @@ TEST_CASE("connect_by_patches: a face without points leaves no hole") {
 }
 
 TEST_CASE("connect_by_patches: before stitching there is one patch per face and no triangle across an edge") {
-  const Measured m = measured(make_shape(test::box_with_hole()), 3000);
+  const MeasuredPart m = measured_part(make_shape(test::box_with_hole()), 3000);
   Context context;
   const PatchConnection result = connect_by_patches(m.model, m.feet, m.points, {.keep_patches = true}, context);
   const auto& patches = result.patches;
@@ -183,7 +183,7 @@ TEST_CASE("connect_by_patches: before stitching there is one patch per face and 
 }
 
 TEST_CASE("connect_by_patches: points on the edges and corners themselves are vertices once") {
-  Measured m = measured(make_shape(test::known_solids()[0].shape), 500);
+  MeasuredPart m = measured_part(make_shape(test::known_solids()[0].shape), 500);
   // On the edge between the first face and each neighbour, and at its corners, exactly.
   const CadFace& face = m.model.faces[0];
   std::vector<std::pair<Vec2, int>> extra;
@@ -207,7 +207,7 @@ TEST_CASE("connect_by_patches: points on the edges and corners themselves are ve
 }
 
 TEST_CASE("connect_by_patches: two points over one foot are both vertices, two at one position are one") {
-  Measured m = measured(make_shape(test::known_solids()[0].shape), 400);
+  MeasuredPart m = measured_part(make_shape(test::known_solids()[0].shape), 400);
   Foot foot = m.feet[7];
   m.feet.push_back(foot);
   m.points.push_back(m.points[7] + Vec3(foot.normal[0], foot.normal[1], foot.normal[2]) * 0.01);
@@ -222,7 +222,7 @@ TEST_CASE("connect_by_patches: two points over one foot are both vertices, two a
 }
 
 TEST_CASE("connect_by_patches: the same mesh for any number of threads") {
-  const Measured m = measured(example_part("elbow"), 20000);
+  const MeasuredPart m = measured_part(example_part("elbow"), 20000);
   Context context;
   context.threads = 1;
   const PatchConnection one = connect_by_patches(m.model, m.feet, m.points, {}, context);
@@ -233,7 +233,7 @@ TEST_CASE("connect_by_patches: the same mesh for any number of threads") {
 }
 
 TEST_CASE("connect_by_patches: no point at all gives no triangle, and broken contracts are refused") {
-  const Measured m = measured(make_shape(test::known_solids()[0].shape), 10);
+  const MeasuredPart m = measured_part(make_shape(test::known_solids()[0].shape), 10);
   Context context;
   CHECK(connect_by_patches(m.model, {}, {}, {}, context).mesh.triangles.empty());
   CHECK_THROWS_AS(connect_by_patches(m.model, m.feet, {}, {}, context), InvalidInput);

@@ -71,7 +71,7 @@ std::string tokens_message(const std::vector<std::string>& tokens) {
   return message([&] { Pipeline::from_tokens(tokens, registry()); });
 }
 
-bool mentions(const std::string& text, std::string_view part) {
+bool names(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
@@ -106,33 +106,33 @@ TEST_CASE("pipeline: options may be joined by =, and a value may be a lone excla
 
 TEST_CASE("pipeline: a wrong command line names step, key, value and what is allowed") {
   CHECK(tokens_message({}).empty());
-  CHECK(mentions(tokens_message({"nudge", "--by", "11"}),
+  CHECK(names(tokens_message({"nudge", "--by", "11"}),
                  "step 1 (nudge): option by = 11 is not allowed; allowed: a number from -10 to 10 (mm)"));
-  CHECK(mentions(tokens_message({"compact", "!", "nudge", "--bye", "1"}),
+  CHECK(names(tokens_message({"compact", "!", "nudge", "--bye", "1"}),
                  "step 2 (nudge): unknown option bye; allowed: by, times"));
-  CHECK(mentions(tokens_message({"nudge", "--by"}), "by has no value"));
-  CHECK(mentions(tokens_message({"nudge", "--by", "1", "--by=2"}), "given twice"));
-  CHECK(mentions(tokens_message({"nudge", "--twice", "--no-twice"}), "given twice"));
-  CHECK(mentions(tokens_message({"nudge", "in.stl"}), "unexpected 'in.stl'"));
-  CHECK(mentions(tokens_message({"nudge", "--"}), "unexpected '--'"));
-  CHECK(mentions(tokens_message({"nudge", "--no-by"}), "unknown option no-by"));
-  CHECK(mentions(tokens_message({"nudg"}), "step 1: unknown operator nudg; allowed: "));
-  CHECK(mentions(tokens_message({"!", "compact"}), "step 1: no operator before !"));
-  CHECK(mentions(tokens_message({"compact", "!"}), "step 2: no operator after !"));
-  CHECK(mentions(tokens_message({"compact", "!", "!", "compact"}), "step 2: no operator before !"));
+  CHECK(names(tokens_message({"nudge", "--by"}), "by has no value"));
+  CHECK(names(tokens_message({"nudge", "--by", "1", "--by=2"}), "given twice"));
+  CHECK(names(tokens_message({"nudge", "--twice", "--no-twice"}), "given twice"));
+  CHECK(names(tokens_message({"nudge", "in.stl"}), "unexpected 'in.stl'"));
+  CHECK(names(tokens_message({"nudge", "--"}), "unexpected '--'"));
+  CHECK(names(tokens_message({"nudge", "--no-by"}), "unknown option no-by"));
+  CHECK(names(tokens_message({"nudg"}), "step 1: unknown operator nudg; allowed: "));
+  CHECK(names(tokens_message({"!", "compact"}), "step 1: no operator before !"));
+  CHECK(names(tokens_message({"compact", "!"}), "step 2: no operator after !"));
+  CHECK(names(tokens_message({"compact", "!", "!", "compact"}), "step 2: no operator before !"));
 }
 
 TEST_CASE("pipeline: wrong JSON is refused with its place") {
-  CHECK(mentions(json_message("{"), "byte"));
-  CHECK(mentions(json_message("[]"), "object"));
-  CHECK(mentions(json_message("{}"), "version"));
-  CHECK(mentions(json_message(R"({"version":2,"steps":[]})"), "version = 2 is not allowed; allowed: 1"));
-  CHECK(mentions(json_message(R"({"version":1})"), "steps"));
-  CHECK(mentions(json_message(R"({"version":1,"steps":[],"name":"x"})"), "unknown key name"));
-  CHECK(mentions(json_message(R"({"version":1,"steps":[{"by":1}]})"), "step 1"));
-  CHECK(mentions(json_message(R"({"version":1,"steps":[{"op":"nudge","by":"1"}]})"),
+  CHECK(names(json_message("{"), "byte"));
+  CHECK(names(json_message("[]"), "object"));
+  CHECK(names(json_message("{}"), "version"));
+  CHECK(names(json_message(R"({"version":2,"steps":[]})"), "version = 2 is not allowed; allowed: 1"));
+  CHECK(names(json_message(R"({"version":1})"), "steps"));
+  CHECK(names(json_message(R"({"version":1,"steps":[],"name":"x"})"), "unknown key name"));
+  CHECK(names(json_message(R"({"version":1,"steps":[{"by":1}]})"), "step 1"));
+  CHECK(names(json_message(R"({"version":1,"steps":[{"op":"nudge","by":"1"}]})"),
                  "step 1 (nudge): option by = \"1\""));
-  CHECK(mentions(json_message(R"({"version":1,"steps":[{"op":"nudge","by":1,"by":2}]})"), "key by is there twice"));
+  CHECK(names(json_message(R"({"version":1,"steps":[{"op":"nudge","by":1,"by":2}]})"), "key by is there twice"));
   CHECK(json_message(R"({"version":1,"steps":[]})").empty());
 }
 
@@ -141,7 +141,7 @@ TEST_CASE("pipeline: an option out of range or a foreign function is refused whe
   CHECK_THROWS_AS(pipeline.add(nudge, {.times = 10}), InvalidInput);
   CHECK(pipeline.empty());
   Pipeline standard;
-  CHECK(mentions(message([&] { standard.add(nudge); }), "not a registered operator"));
+  CHECK(names(message([&] { standard.add(nudge); }), "not a registered operator"));
 }
 
 TEST_CASE("pipeline: a conversion that was left out is inserted and reported") {
@@ -182,7 +182,7 @@ TEST_CASE("pipeline: on a mesh in place, a step that changes the type is refused
   Context context;
   Pipeline pipeline(registry());
   pipeline.add(compact).add("to-soup");
-  CHECK(mentions(message([&] { pipeline.run(view_of(mesh), context); }), "step 2 (to-soup)"));
+  CHECK(names(message([&] { pipeline.run(view_of(mesh), context); }), "step 2 (to-soup)"));
   CHECK(snapshot(view_of(mesh)) == before);
   Pipeline fine(registry());
   CHECK(fine.add(compact).run(view_of(mesh), context).at(0).faces_removed == 1);
@@ -215,12 +215,12 @@ TEST_CASE("pipeline: points stay points; what would connect them is refused befo
   CHECK(pipeline.to_tokens() == std::vector<std::string>{"thin", "!", "remove-outliers"});
 
   Geometry soup = to_soup(view_of(*std::make_unique<Mesh>(grid(2, 2))));
-  CHECK(mentions(message([&] { pipeline.run(soup, context); }), "step 1 (thin): works on points, and this is a soup"));
-  CHECK(mentions(message([&] { pipeline.plan(Domain::mesh); }), "step 1 (thin): works on points, and this is a mesh"));
+  CHECK(names(message([&] { pipeline.run(soup, context); }), "step 1 (thin): works on points, and this is a soup"));
+  CHECK(names(message([&] { pipeline.plan(Domain::mesh); }), "step 1 (thin): works on points, and this is a mesh"));
   for (const char* name : {"fill-holes", "nudge", "build-mesh"}) {
     Pipeline connecting(registry());
     connecting.add("thin").add(name);
-    CHECK(mentions(message([&] { connecting.plan(Domain::points); }), std::string("step 2 (") + name + ")"));
-    CHECK(mentions(message([&] { connecting.plan(Domain::points); }), "needs a model"));
+    CHECK(names(message([&] { connecting.plan(Domain::points); }), std::string("step 2 (") + name + ")"));
+    CHECK(names(message([&] { connecting.plan(Domain::points); }), "needs a model"));
   }
 }

@@ -15,12 +15,12 @@ using tri::Vec3;
 using Triangles = std::vector<RingTriangle>;
 
 /// Every triangulation of the polygon i..j, by the recursion that defines them.
-std::vector<Triangles> all_triangulations(int i, int j) {
+std::vector<Triangles> every_triangulation(int i, int j) {
   if (j - i < 2) return {{}};
   std::vector<Triangles> all;
   for (int k = i + 1; k < j; ++k)
-    for (const Triangles& a : all_triangulations(i, k))
-      for (const Triangles& b : all_triangulations(k, j)) {
+    for (const Triangles& a : every_triangulation(i, k))
+      for (const Triangles& b : every_triangulation(k, j)) {
         Triangles t = a;
         t.insert(t.end(), b.begin(), b.end());
         t.push_back({i, k, j});
@@ -29,13 +29,13 @@ std::vector<Triangles> all_triangulations(int i, int j) {
   return all;
 }
 
-double area(const std::vector<Vec3>& p, const RingTriangle& t) {
+double triangle_area_of(const std::vector<Vec3>& p, const RingTriangle& t) {
   return 0.5 * ((p[t[1]] - p[t[0]]) % (p[t[2]] - p[t[0]])).norm();
 }
 
 double total_area(const std::vector<Vec3>& p, const Triangles& ts) {
   double sum = 0;
-  for (const auto& t : ts) sum += area(p, t);
+  for (const auto& t : ts) sum += triangle_area_of(p, t);
   return sum;
 }
 
@@ -95,10 +95,10 @@ std::vector<Vec3> comb(int teeth) {
 
 }  // namespace
 
-TEST_CASE("triangulate_polygon: reaches the least area of all triangulations") {
+TEST_CASE("triangulate_polygon: reaches the least triangle_area_of of all triangulations") {
   std::mt19937 random(1);
   for (int n = 3; n <= 9; ++n) {
-    const auto all = all_triangulations(0, n - 1);
+    const auto all = every_triangulation(0, n - 1);
     for (int round = 0; round < 10; ++round) {
       const auto ring = random_ring(n, random);
       double least = 1e300;
@@ -107,7 +107,7 @@ TEST_CASE("triangulate_polygon: reaches the least area of all triangulations") {
       const auto weight = tri::triangulate_polygon<double>(
           n, [](int, int) { return true; },
           [&](int i, int k, int j, int, int) -> std::optional<double> {
-            return area(ring, {i, k, j});
+            return triangle_area_of(ring, {i, k, j});
           },
           found);
       REQUIRE(weight.has_value());
@@ -121,7 +121,7 @@ TEST_CASE("triangulate_polygon: reaches the least area of all triangulations") {
 TEST_CASE("triangulate_polygon: keeps forbidden chords out and reaches the least of what is left") {
   std::mt19937 random(2);
   const int n = 8;
-  const auto all = all_triangulations(0, n - 1);
+  const auto all = every_triangulation(0, n - 1);
   int impossible = 0;
   for (int round = 0; round < 60; ++round) {
     const auto ring = random_ring(n, random);
@@ -142,7 +142,7 @@ TEST_CASE("triangulate_polygon: keeps forbidden chords out and reaches the least
     const auto weight = tri::triangulate_polygon<double>(
         n, allowed,
         [&](int i, int k, int j, int, int) -> std::optional<double> {
-          return area(ring, {i, k, j});
+          return triangle_area_of(ring, {i, k, j});
         },
         found);
     CHECK(found[0] == RingTriangle{7, 7, 7});
@@ -180,8 +180,8 @@ TEST_CASE("triangulate_ring: tiles a flat concave polygon without a fold") {
   }
 }
 
-TEST_CASE("triangulate_ring: follows the surface around a hole, not the least area") {
-  // A quadrilateral across a ridge of 30 degrees: its other diagonal makes a valley of less area. The surface beyond
+TEST_CASE("triangulate_ring: follows the surface around a hole, not the least triangle_area_of") {
+  // A quadrilateral across a ridge of 30 degrees: its other diagonal makes a valley of less triangle_area_of. The surface beyond
   // falls away at 85 degrees: 55 degrees from the slopes of the ridge, 85 from those of the valley.
   const std::vector<Vec3> ring{{0, 0, 0.577}, {1.5, -1, 0}, {3, 0, 0.577}, {1.5, 1, 0}};
   CHECK(total_area(ring, {{0, 1, 2}, {0, 2, 3}}) > total_area(ring, {{0, 1, 3}, {1, 2, 3}}));

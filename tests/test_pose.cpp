@@ -13,12 +13,10 @@ using namespace tri;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 Pose random_pose(std::uint64_t seed) {
   RandomStream random(seed);
   const Eigen::Vector3d axis = to_eigen(random.direction());
-  return motion(axis * random.uniform(0, pi), to_eigen(random.direction()) * 50, {1, 2, 3});
+  return motion(axis * random.uniform(0, std::numbers::pi), to_eigen(random.direction()) * 50, {1, 2, 3});
 }
 
 }  // namespace
@@ -102,11 +100,11 @@ TEST_CASE("parts_of: angle, axis, place and slide make up the motion again") {
 
 TEST_CASE("in_words: half turns, signed turns, screws and shifts are named as a person says them") {
   const Vec3 centre(0, 0, 0);
-  CHECK(in_words(motion({0, 0, pi}, {0, 0, 0}, {10, 5, 0}), centre, 100) ==
+  CHECK(in_words(motion({0, 0, std::numbers::pi}, {0, 0, 0}, {10, 5, 0}), centre, 100) ==
         "turned by 180 degrees about (0, 0, 1) through (10, 5, 0)");
-  CHECK(in_words(motion({0, -pi / 2, 0}, {0, 0, 0}, {0, 0, 0}), centre, 100) ==
+  CHECK(in_words(motion({0, -std::numbers::pi / 2, 0}, {0, 0, 0}, {0, 0, 0}), centre, 100) ==
         "turned by -90 degrees about (0, 1, 0) through (0, 0, 0)");
-  CHECK(in_words(motion({pi, 0, 0}, {7, 0, 0}, {0, 0, 0}), centre, 100) ==
+  CHECK(in_words(motion({std::numbers::pi, 0, 0}, {7, 0, 0}, {0, 0, 0}), centre, 100) ==
         "turned by 180 degrees about (1, 0, 0) through (0, 0, 0) and moved by 7 mm along it");
   CHECK(in_words(motion({0, 0, 0}, {0, 2, 0}, {0, 0, 0}), centre, 100) == "moved by (0, 2, 0) mm");
 }

@@ -19,7 +19,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Mesh& mesh, const RemeshOptions& options) {
+Report run_remesh(Mesh& mesh, const RemeshOptions& options) {
   Context context;
   const Report report = remesh(view_of(mesh), options, context);
   CHECK_VALID_MESH(mesh);
@@ -87,7 +87,7 @@ TEST_CASE("remesh: a sphere keeps its topology and place, with edges of the leng
     CAPTURE(length);
     Mesh mesh = octasphere(16);
     const Soup before = to_soup(view_of(mesh));
-    const Report report = run(mesh, {.length = length});
+    const Report report = run_remesh(mesh, {.length = length});
     CHECK(euler_characteristic(mesh) == 2);
     CHECK(boundary_loops(mesh) == 0);
     CHECK(share_in_range(mesh, length) > 0.9);
@@ -116,7 +116,7 @@ TEST_CASE("remesh: boundary and creases stay on their lines, corners where they 
   for (const double length : {0.6, 1.7}) {
     CAPTURE(length);
     Mesh mesh = wings().mesh();
-    run(mesh, {.length = length});
+    run_remesh(mesh, {.length = length});
     CHECK(euler_characteristic(mesh) == 1);
     CHECK(boundary_loops(mesh) == 1);
     CHECK(mesh_area(view_of(mesh)) == doctest::Approx(240).epsilon(1e-12));
@@ -144,7 +144,7 @@ TEST_CASE("remesh: boundary and creases stay on their lines, corners where they 
 TEST_CASE("remesh: a round rim slides on its polyline") {
   Mesh mesh = tube(48, 16, 1, 0, 2).mesh();
   const Mesh input = mesh;
-  run(mesh, {.length = 0.2});
+  run_remesh(mesh, {.length = 0.2});
   CHECK(boundary_loops(mesh) == 2);
   for (const VertexHandle v : mesh.vertices()) {
     if (!mesh.is_boundary(v)) continue;
@@ -174,7 +174,7 @@ TEST_CASE("remesh: needles become good triangles, whatever the size and place") 
     s.nv = 4;
     s.point = [&](int i, int j) { return place.offset + Vec3(0.1 * i, j, 0) * place.scale; };
     Mesh mesh = s.mesh();
-    run(mesh, {.length = 0.4 * place.scale});
+    run_remesh(mesh, {.length = 0.4 * place.scale});
     CHECK(smallest_angle(mesh) > 20);
     CHECK(share_in_range(mesh, 0.4 * place.scale) > 0.75);
     CHECK(mesh_area(view_of(mesh)) == doctest::Approx(16 * place.scale * place.scale).epsilon(1e-6));
@@ -192,7 +192,7 @@ TEST_CASE("remesh: adaptive edges are short where the surface is curved, and the
   Mesh mesh = s.mesh();
   const Soup before = to_soup(view_of(mesh));
   const double error = 0.01;
-  const Report report = run(mesh, {.length = 1, .adaptive = true, .max_error = error});
+  const Report report = run_remesh(mesh, {.length = 1, .adaptive = true, .max_error = error});
   CHECK(report.figures.at("greatest distance") <= 1.5 * error);
   double inside = 0, outside = 0, n_inside = 0, n_outside = 0;
   for (const EdgeHandle e : mesh.edges()) {
@@ -219,7 +219,7 @@ TEST_CASE("remesh: no triangle of a height field is turned over, and none cross"
   hills.point = [](int i, int j) { return Vec3(i, j, 1.5 * std::sin(0.4 * i) * std::cos(0.3 * j)); };
   for (const double length : {0.7, 1.5, 2.5}) {
     Mesh mesh = hills.mesh();
-    run(mesh, {.length = length});
+    run_remesh(mesh, {.length = length});
     for (const FaceHandle f : mesh.faces()) CHECK(mesh.calc_face_normal(f)[2] > 0);
     const Soup out = to_soup(view_of(mesh));
     Context context;
@@ -249,7 +249,7 @@ TEST_CASE("remesh: values are those of the input at the new places; seams and gr
       mesh.property(chart, h) = mesh.point(mesh.to_vertex_handle(h))[0] + (right_of(f) ? 100 : 0);
   }
   const Mesh before = mesh;
-  run(mesh, {.length = 0.7});
+  run_remesh(mesh, {.length = 0.7});
   for (const VertexHandle v : mesh.vertices()) {
     CHECK(mesh.property(plane, v) == doctest::Approx(2 * mesh.point(v)[0] - 3 * mesh.point(v)[1]));
     const bool measured = v.idx() < static_cast<int>(before.n_vertices()) && before.point(v) == mesh.point(v);
@@ -268,19 +268,19 @@ TEST_CASE("remesh: values are those of the input at the new places; seams and gr
 
 TEST_CASE("remesh: a triangle, several parts, degenerate and duplicate triangles") {
   Mesh triangle = make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
-  run(triangle, {.length = 0.2});
+  run_remesh(triangle, {.length = 0.2});
   CHECK(mesh_area(view_of(triangle)) == doctest::Approx(0.5));
   CHECK(live_faces(triangle) > 10);
   Mesh parts = two_components();
-  run(parts, {.length = 0.4});
+  run_remesh(parts, {.length = 0.4});
   CHECK(euler_characteristic(parts) == 3);
   Mesh flat = grid(4, 4);
   for (const VertexHandle v : flat.vertices()) flat.point(v) = Vec3(1, 2, 3);
-  run(flat, {});
+  run_remesh(flat, {});
   Mesh slivers = grid(8, 8);
   slivers.point(VertexHandle(30)) = slivers.point(VertexHandle(31));
   slivers.point(VertexHandle(50)) = 0.5 * (slivers.point(VertexHandle(49)) + slivers.point(VertexHandle(59)));
-  run(slivers, {.length = 0.5});
+  run_remesh(slivers, {.length = 0.5});
   CHECK(euler_characteristic(slivers) == 1);
   Mesh broken = grid(4, 4);
   broken.point(VertexHandle(7))[1] = std::nan("");
@@ -294,7 +294,7 @@ TEST_CASE("remesh: a triangle, several parts, degenerate and duplicate triangles
 TEST_CASE("remesh: an even mesh is left as it is") {
   Mesh mesh = icosahedron();
   const Snapshot before = snapshot(view_of(mesh));
-  CHECK(run(mesh, {}).unchanged());
+  CHECK(run_remesh(mesh, {}).unchanged());
   CHECK(snapshot(view_of(mesh)) == before);
 }
 

@@ -11,7 +11,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Soup& soup, const RemoveDegenerateOptions& options = {}) {
+Report run_remove_degenerate(Soup& soup, const RemoveDegenerateOptions& options = {}) {
   Context context;
   return remove_degenerate(soup, options, context);
 }
@@ -48,7 +48,7 @@ TEST_CASE("remove_degenerate: caps go by splitting the side that they lie on; no
   REQUIRE(summarize(soup).closed);
   REQUIRE(worst(soup) == 0);
   const std::vector<Vec3> points = soup.points;
-  const Report report = run(soup);
+  const Report report = run_remove_degenerate(soup);
   const MeshSummary s = summarize(soup);
   CHECK(s.closed);
   CHECK(s.manifold);
@@ -85,7 +85,7 @@ TEST_CASE("remove_degenerate: sides without length are collapsed; the topology s
   REQUIRE(summarize(soup).closed);
   REQUIRE(worst(soup) == 0);
   const double volume = soup_volume(soup);
-  const Report report = run(soup);
+  const Report report = run_remove_degenerate(soup);
   const MeshSummary s = summarize(soup);
   CHECK(s.closed);
   CHECK(s.manifold);
@@ -116,7 +116,7 @@ TEST_CASE("remove_degenerate: a chain of points on one line between two long sid
     break;
   }
   REQUIRE(summarize(soup).closed);
-  const Report report = run(soup);
+  const Report report = run_remove_degenerate(soup);
   CHECK(report.skipped.empty());
   const MeshSummary s = summarize(soup);
   CHECK(s.closed);
@@ -132,7 +132,7 @@ TEST_CASE("remove_degenerate: a cap on the rim of a sheet just goes") {
   soup.triangles.push_back({9, 1, 4});
   soup.triangles.push_back({0, 1, 9});
   const double area = soup_area(soup);
-  CHECK(run(soup).faces_removed == 1);
+  CHECK(run_remove_degenerate(soup).faces_removed == 1);
   CHECK(soup_area(soup) == doctest::Approx(area));
   CHECK(summarize(soup).boundary_loops == 1);
   CHECK(summarize(soup).boundary_edges == 9);
@@ -140,10 +140,10 @@ TEST_CASE("remove_degenerate: a cap on the rim of a sheet just goes") {
 
 TEST_CASE("remove_degenerate: triangles that are slim by right stay; the thresholds say where right ends") {
   Soup soup = box({0, 0, 0}, {1000, 1, 1});
-  CHECK(run(soup).unchanged());
+  CHECK(run_remove_degenerate(soup).unchanged());
   Soup flat = box({0, 0, 0}, {1, 1, 1e-3});
-  CHECK(run(flat, {.flatness = 1e-4}).unchanged());
-  CHECK(run(flat, {.shortest_edge = 1e-4}).unchanged());
+  CHECK(run_remove_degenerate(flat, {.flatness = 1e-4}).unchanged());
+  CHECK(run_remove_degenerate(flat, {.shortest_edge = 1e-4}).unchanged());
 }
 
 TEST_CASE("remove_degenerate: what no move can remove is counted, not forced") {
@@ -151,7 +151,7 @@ TEST_CASE("remove_degenerate: what no move can remove is counted, not forced") {
   Soup soup;
   soup.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   soup.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
-  const Report report = run(soup);
+  const Report report = run_remove_degenerate(soup);
   const std::uint64_t left = report.skipped.contains("no move that does no harm") ? report.skipped.at("no move that does no harm") : 0;
   CHECK(left == soup.triangles.size());
 }
@@ -161,8 +161,8 @@ TEST_CASE("remove_degenerate: a deviation that is not allowed is not made") {
   for (int i = 1; i <= 8; i += 2) soup.points[static_cast<std::size_t>(i)] = soup.points[static_cast<std::size_t>(i + 1)] + Vec3(1e-5, 2e-5, 1e-5);
   Soup strict = soup;
   const std::size_t triangles = soup.triangles.size();
-  CHECK(run(soup, {.shortest_edge = 1e-4}).skipped.empty());
+  CHECK(run_remove_degenerate(soup, {.shortest_edge = 1e-4}).skipped.empty());
   CHECK(soup.triangles.size() == triangles - 8);
   CHECK(summarize(soup).closed);
-  CHECK(run(strict, {.shortest_edge = 1e-4, .max_deviation = 1e-9}).skipped.at("no move that does no harm") == 8);
+  CHECK(run_remove_degenerate(strict, {.shortest_edge = 1e-4, .max_deviation = 1e-9}).skipped.at("no move that does no harm") == 8);
 }

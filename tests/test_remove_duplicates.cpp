@@ -10,7 +10,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Soup& soup, OppositePairs opposite = OppositePairs::automatic) {
+Report run_remove_duplicates(Soup& soup, OppositePairs opposite = OppositePairs::automatic) {
   Context context;
   return remove_duplicates(soup, {.opposite = opposite}, context);
 }
@@ -35,7 +35,7 @@ TEST_CASE("remove_duplicates: copies go whichever corner they begin with, and th
       for (int k = 0; k < 3; ++k) soup.corner_scalars["x"].push_back(-1);
     }
   }
-  const Report report = run(soup);
+  const Report report = run_remove_duplicates(soup);
   CHECK(report.faces_removed == 24);
   CHECK(report.figures.at("duplicates removed") == 24);
   CHECK(same_soup(soup, before));
@@ -46,7 +46,7 @@ TEST_CASE("remove_duplicates: a wall between two solids goes, and they become on
   Soup soup = welded(joined(cube(), cube({1, 0, 0})));
   REQUIRE(soup.points.size() == 12);
   REQUIRE(summarize(soup).duplicate_triangles == 2);
-  const Report report = run(soup);
+  const Report report = run_remove_duplicates(soup);
   CHECK(report.figures.at("opposite pairs removed") == 2);
   CHECK(report.faces_removed == 4);
   const MeshSummary s = summarize(soup);
@@ -63,14 +63,14 @@ TEST_CASE("remove_duplicates: of a sheet drawn from both sides one side stays, c
     for (const Triangle& t : shape.triangles) both.triangles.push_back({t[1], t[0], t[2]});
     for (const OppositePairs choice : {OppositePairs::automatic, OppositePairs::one}) {
       Soup soup = both;
-      const Report report = run(soup, choice);
+      const Report report = run_remove_duplicates(soup, choice);
       CHECK(same_soup(soup, shape));
       CHECK(report.figures.at("opposite pairs made one") == triangles);
     }
     Soup none = both, kept = both;
-    run(none, OppositePairs::none);
+    run_remove_duplicates(none, OppositePairs::none);
     CHECK(none.triangles.empty());
-    const Report report = run(kept, OppositePairs::keep);
+    const Report report = run_remove_duplicates(kept, OppositePairs::keep);
     CHECK(report.unchanged());
     CHECK(report.figures.at("opposite pairs found") == triangles);
     CHECK(same_soup(kept, both));
@@ -82,8 +82,8 @@ TEST_CASE("remove_duplicates: three copies of which one is turned are one opposi
   soup.triangles.push_back(soup.triangles[0]);
   soup.triangles.push_back({soup.triangles[0][0], soup.triangles[0][2], soup.triangles[0][1]});
   Soup kept = soup;
-  CHECK(run(soup).faces_removed == 2);
-  CHECK(run(kept, OppositePairs::keep).faces_removed == 1);
+  CHECK(run_remove_duplicates(soup).faces_removed == 2);
+  CHECK(run_remove_duplicates(kept, OppositePairs::keep).faces_removed == 1);
   CHECK(same_soup(soup, sheet(1, 1)));
 }
 
@@ -91,5 +91,5 @@ TEST_CASE("remove_duplicates: triangles that name a vertex twice are left alone"
   Soup soup = sheet(1, 1);
   soup.triangles.push_back({0, 0, 1});
   soup.triangles.push_back({0, 0, 1});
-  CHECK(run(soup).unchanged());
+  CHECK(run_remove_duplicates(soup).unchanged());
 }

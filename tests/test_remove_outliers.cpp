@@ -12,7 +12,7 @@ using namespace tri;
 namespace {
 
 /// The definition by brute force: indices that stay.
-std::vector<std::size_t> by_definition(const std::vector<Vec3>& points, std::size_t neighbors, double sigma) {
+std::vector<std::size_t> outliers_by_definition(const std::vector<Vec3>& points, std::size_t neighbors, double sigma) {
   std::vector<double> distance;
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::vector<double> all;
@@ -62,7 +62,7 @@ TEST_CASE("remove_outliers: what lies alone goes, as the definition says") {
     Context context;
     const Report report = remove_outliers(set, {.neighbors = neighbors, .sigma = sigma}, context);
     std::vector<Vec3> expected;
-    for (const std::size_t i : by_definition(points, static_cast<std::size_t>(neighbors), sigma))
+    for (const std::size_t i : outliers_by_definition(points, static_cast<std::size_t>(neighbors), sigma))
       expected.push_back(points[i]);
     CHECK(set.points == expected);
     CHECK(report.vertices_removed == points.size() - expected.size());

@@ -13,8 +13,8 @@ using namespace tri;
 
 namespace {
 
-// The unit square in z = 0, seen from +z as counter-clockwise, as four triangles about its middle.
-Soup square() {
+// The unit square_soup in z = 0, seen from +z as counter-clockwise, as four triangles about its middle.
+Soup square_soup() {
   Soup soup;
   soup.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
   soup.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
@@ -57,12 +57,12 @@ const Color white{255, 255, 255};
 
 TEST_CASE("render: frames the part whole, in the middle and with a margin") {
   Context context;
-  const Rendering r = render(square(), from_above(), context);
+  const Rendering r = render(square_soup(), from_above(), context);
   REQUIRE(r.picture.pixels.size() == 120 * 100);
   CHECK(r.picture.at(60, 50) != white);
   for (int x = 0; x < 120; ++x) CHECK((r.picture.at(x, 0) == white && r.picture.at(x, 99) == white));
   for (int y = 0; y < 100; ++y) CHECK((r.picture.at(0, y) == white && r.picture.at(119, y) == white));
-  // The square fills the height but for 4% on each side, so 92 x 92 of 120 x 100 pixels.
+  // The square_soup fills the height but for 4% on each side, so 92 x 92 of 120 x 100 pixels.
   CHECK(r.covered == doctest::Approx(92.0 * 92.0 / (120 * 100)).epsilon(0.01));
 }
 
@@ -70,10 +70,10 @@ TEST_CASE("render: zoom 2 shows twice the size about the centre") {
   Context context;
   RenderOptions options = from_above();
   options.zoom = 2;
-  CHECK(render(square(), options, context).covered == 1);
+  CHECK(render(square_soup(), options, context).covered == 1);
   options.zoom = 1;
-  options.center = Vec3(0, 0, 0);  // the square's corner comes to the middle: it covers the upper right quarter
-  const Rendering r = render(square(), options, context);
+  options.center = Vec3(0, 0, 0);  // the square_soup's corner comes to the middle: it covers the upper right quarter
+  const Rendering r = render(square_soup(), options, context);
   CHECK(r.picture.at(75, 30) != white);
   CHECK(r.picture.at(75, 70) == white);
   CHECK(r.picture.at(45, 30) == white);
@@ -83,9 +83,9 @@ TEST_CASE("render: zoom 2 shows twice the size about the centre") {
 TEST_CASE("render: the front and the back of a patch have different colours") {
   Context context;
   RenderOptions options = from_above();
-  const Rendering front = render(square(), options, context);
+  const Rendering front = render(square_soup(), options, context);
   options.view = {0, 0, -1};
-  const Rendering back = render(square(), options, context);
+  const Rendering back = render(square_soup(), options, context);
   CHECK(front.back == 0);
   CHECK(back.back == 1);
   CHECK(front.picture.at(60, 50)[2] > front.picture.at(60, 50)[0]);  // bluish
@@ -94,7 +94,7 @@ TEST_CASE("render: the front and the back of a patch have different colours") {
 
 TEST_CASE("render: the nearer of two sheets hides the other, whatever their order in the file") {
   Context context;
-  Soup soup = square();
+  Soup soup = square_soup();
   const auto n = static_cast<std::uint32_t>(soup.points.size());
   for (std::uint32_t i = 0; i < n; ++i) soup.points.push_back(soup.points[i] + Vec3(0, 0, 1));
   for (int i = 0; i < 4; ++i)
@@ -120,7 +120,7 @@ TEST_CASE("render: a closed sphere shows no back and the area of its disc") {
 
 TEST_CASE("render: chooses the palette by the scalar's values") {
   Context context;
-  Soup soup = square();
+  Soup soup = square_soup();
   soup.vertex_scalars["cad_face"] = {1, 1, 1, 2, 7};
   soup.vertex_scalars["deviation"] = {-0.1, 0.1, 0.05, 0, 0.02};
   soup.vertex_scalars["thickness"] = {1.5, 1, 1, 1, 1};
@@ -144,7 +144,7 @@ TEST_CASE("render: chooses the palette by the scalar's values") {
 
 TEST_CASE("render: a category colours the places nearest to its vertices, never with a mean of two") {
   Context context;
-  Soup soup = square();
+  Soup soup = square_soup();
   soup.vertex_scalars["cad_face"] = {1, 1, 1, 1, 3};  // the mean of 1 and 3 would be the colour of 2
   RenderOptions options = from_above();
   options.by = "cad_face";
@@ -162,7 +162,7 @@ TEST_CASE("render: a category colours the places nearest to its vertices, never 
 
 TEST_CASE("render: positive deviation is red, negative blue") {
   Context context;
-  Soup soup = square();
+  Soup soup = square_soup();
   RenderOptions options = from_above();
   options.by = "deviation";
   options.range = 0.1;
@@ -179,7 +179,7 @@ TEST_CASE("render: positive deviation is red, negative blue") {
 
 TEST_CASE("render: vertex colours are shown when the file has them") {
   Context context;
-  Soup soup = square();
+  Soup soup = square_soup();
   soup.vertex_colors.assign(5, {0, 200, 0});
   const Rendering r = render(soup, from_above(), context);
   CHECK(r.palette == Palette::colors);
@@ -189,8 +189,8 @@ TEST_CASE("render: vertex colours are shown when the file has them") {
 
 TEST_CASE("render: edges are dark, rims red, also where triangles share no vertex index") {
   Context context;
-  Soup soup;  // the square again, with three vertices of its own for every triangle, as STL brings them
-  const Soup shared = square();
+  Soup soup;  // the square_soup again, with three vertices of its own for every triangle, as STL brings them
+  const Soup shared = square_soup();
   for (const Triangle& t : shared.triangles) {
     const auto n = static_cast<std::uint32_t>(soup.points.size());
     for (const std::uint32_t v : t) soup.points.push_back(shared.points[v]);
@@ -207,7 +207,7 @@ TEST_CASE("render: edges are dark, rims red, also where triangles share no verte
 
 TEST_CASE("render: a cloud without triangles is drawn as dots") {
   Context context;
-  Soup soup = square();
+  Soup soup = square_soup();
   soup.triangles.clear();
   const Rendering r = render(soup, from_above(), context);
   CHECK(r.picture.at(60, 50) != white);
@@ -232,7 +232,7 @@ TEST_CASE("render: refuses what cannot be drawn, and names the reason") {
   RenderOptions options = from_above();
   CHECK_THROWS_WITH_AS(render(Soup{}, options, context), "there is nothing to draw", InvalidInput);
   options.by = "deviaton";
-  Soup soup = square();
+  Soup soup = square_soup();
   soup.vertex_scalars["deviation"] = {0, 0, 0, 0, 0};
   CHECK_THROWS_WITH_AS(render(soup, options, context), "no scalar is named \"deviaton\"; there are deviation", InvalidInput);
   options.by = "";
@@ -262,7 +262,7 @@ TEST_CASE("render: draws what has no extent without failing") {
 TEST_CASE("render: stops when cancelled") {
   Context context;
   context.cancel();
-  CHECK_THROWS_AS(render(square(), RenderOptions{}, context), Cancelled);
+  CHECK_THROWS_AS(render(square_soup(), RenderOptions{}, context), Cancelled);
 }
 
 TEST_CASE("encode_png: libpng reads back every pixel") {

@@ -44,7 +44,7 @@ double farthest(const Soup& from, const Soup& to) {
   return most;
 }
 
-double diagonal(const Soup& soup) {
+double extent(const Soup& soup) {
   Vec3 low = soup.points[0], high = low;
   for (const Vec3& p : soup.points) low.minimize(p), high.maximize(p);
   return (high - low).norm();
@@ -128,7 +128,7 @@ TEST_CASE(
       if (i % 3 == 1)
         append_box(before, Vec3(0, 0, 0.02 * real()), Vec3(1, 1, 1 + 0.02 * real()), real());  // near to the first
       if (i % 3 == 2) before.triangles.resize(before.triangles.size() - 1);                    // a hole
-      const double allowed = bound * diagonal(before) * (1 + 1e-9);
+      const double allowed = bound * extent(before) * (1 + 1e-9);
       for (const RepairGoal goal : {RepairGoal::solid, RepairGoal::surface}) {
         Soup soup = before;
         const RepairResult result = repair(soup, {.goal = goal, .max_deviation = bound}, context);

@@ -10,7 +10,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Soup& soup, const ResolveTJunctionsOptions& options = {}) {
+Report run_resolve(Soup& soup, const ResolveTJunctionsOptions& options = {}) {
   Context context;
   return resolve_t_junctions(soup, options, context);
 }
@@ -29,7 +29,7 @@ TEST_CASE("resolve_t_junctions: strips of different fineness are joined along th
   for (const auto& [fine, coarse] : {std::pair{8, 1}, {8, 2}, {6, 4}, {7, 3}}) {
     Soup soup = with_attributes(strips(fine, coarse));
     const double area = soup_area(soup);
-    const Report report = run(soup);
+    const Report report = run_resolve(soup);
     const MeshSummary s = summarize(soup);
     CAPTURE(fine);
     CAPTURE(coarse);
@@ -44,7 +44,7 @@ TEST_CASE("resolve_t_junctions: strips of different fineness are joined along th
     for (std::size_t i = 0; i < soup.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k)
         CHECK(soup.corner_scalars.at("x")[3 * i + k] == doctest::Approx(soup.points[soup.triangles[i][k]][0]));
-    CHECK(run(soup).unchanged());
+    CHECK(run_resolve(soup).unchanged());
   }
 }
 
@@ -61,7 +61,7 @@ TEST_CASE("resolve_t_junctions: a triangle with vertices on all three sides is c
   add({3, 0, 0}, {1, 0, 0}, {2, -1, 0});
   add({0, 4, 0}, {2, 2, 0}, {3, 3, 0});
   add({0, 0, 0}, {0, 2, 0}, {-1, 1, 0});
-  const Report report = run(soup);
+  const Report report = run_resolve(soup);
   CHECK(report.figures.at("T-junctions") == 4);
   CHECK(report.figures.at("edges split") == 3);
   CHECK(report.faces_added == 4);
@@ -74,25 +74,25 @@ TEST_CASE("resolve_t_junctions: near counts up to the tolerance, exactly on it a
   Soup soup = strips(2, 1);
   soup.points[1][1] = 1e-3;  // the middle vertex of the fine strip
   Soup near = soup;
-  CHECK(run(soup, {.tolerance = 1e-4}).unchanged());
-  CHECK(run(near, {.tolerance = 1e-2}).figures.at("T-junctions") == 1);
+  CHECK(run_resolve(soup, {.tolerance = 1e-4}).unchanged());
+  CHECK(run_resolve(near, {.tolerance = 1e-2}).figures.at("T-junctions") == 1);
   CHECK(summarize(near).components == 1);
   Soup exact = strips(2, 1);
-  CHECK(run(exact, {.tolerance = 0, .relative_tolerance = 0}).figures.at("T-junctions") == 1);
+  CHECK(run_resolve(exact, {.tolerance = 0, .relative_tolerance = 0}).figures.at("T-junctions") == 1);
 }
 
 TEST_CASE("resolve_t_junctions: inner edges and vertices are left alone, however near") {
   // A closed box with a sheet that ends on one of its edges' middle.
   Soup soup = joined(cube({0, 0, 0}, 2), sheet(1, 1));
   for (std::size_t i = 8; i < 12; ++i) soup.points[i] += Vec3(2, 0.5, 0);
-  CHECK(run(soup).unchanged());
+  CHECK(run_resolve(soup).unchanged());
 }
 
 TEST_CASE("resolve_t_junctions: a split that would turn a triangle over is left out") {
   Soup soup;
   soup.points = {{0, 0, 0}, {4, 0, 0}, {2, 0.01, 0}, {2, 0.03, 0}, {0, 2, 0}, {4, 2, 0}};
   soup.triangles = {{0, 1, 2}, {3, 5, 4}};
-  const Report report = run(soup, {.tolerance = 0.1});
+  const Report report = run_resolve(soup, {.tolerance = 0.1});
   CHECK(report.skipped.at("triangle would turn over") == 1);
   CHECK(report.unchanged());
 }

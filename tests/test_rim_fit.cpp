@@ -19,17 +19,17 @@ using namespace tri;
 
 namespace {
 
-constexpr double width = 100, height = 60, noise = 0.02;
+constexpr double width = 100, height = 60, rim_noise = 0.02;
 
-struct Part {
-  explicit Part(const Shape& shape) : model(make_cad_model(shape)), registration(model) {}
+struct RimmedPart {
+  explicit RimmedPart(const Shape& shape) : model(make_cad_model(shape)), registration(model) {}
   CadModel model;
   Registration registration;
 };
 
 // One flat face, open all around.
-const Part& plate() {
-  static const Part part(
+const RimmedPart& plate() {
+  static const RimmedPart part(
       Shape(std::make_shared<Shape::Impl>(BRepBuilderAPI_MakeFace(gp_Pln(), 0, width, 0, height).Shape())));
   return part;
 }
@@ -39,21 +39,21 @@ std::vector<Vec3> scan(double low, double high, std::size_t count, std::size_t w
   RandomStream random(seed);
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < count; ++i)
-    points.emplace_back(random.uniform(low, high), random.uniform(0, height), noise * random.normal());
+    points.emplace_back(random.uniform(low, high), random.uniform(0, height), rim_noise * random.normal());
   for (std::size_t i = 0; i < wild; ++i)
     points.emplace_back(random.uniform(-10, width + 10), random.uniform(-10, height + 10), random.uniform(-10, 10));
   return points;
 }
 
-RimFit settled(const Part& part, const std::vector<Vec3>& points, const Pose& pose) {
+RimFit settled(const RimmedPart& part, const std::vector<Vec3>& points, const Pose& pose) {
   Context context;
   const Rim rim(part.model, part.registration, context);
   const FitTarget target{part.registration, part.model.diagonal, 0};
   const PointSample sample{points, {}};
   const auto residuals = target.residuals(points, {}, pose, context);
   std::vector<double> weights;
-  for (const PointResidual& r : residuals) weights.push_back(r.on_edge || std::abs(r.value) > 5 * noise ? 0 : 1);
-  return fit_to_rim(rim, target, sample, pose, NormalEquations(residuals, weights), noise, 1e-4 * part.model.diagonal,
+  for (const PointResidual& r : residuals) weights.push_back(r.on_edge || std::abs(r.value) > 5 * rim_noise ? 0 : 1);
+  return fit_to_rim(rim, target, sample, pose, NormalEquations(residuals, weights), rim_noise, 1e-4 * part.model.diagonal,
                     context);
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("Rim: has the free edges and the sharp ones, whose inward side is the 
   CHECK(open.near({50, 30, 0}, 0, 1) == nullptr);
 
   // Twelve edges of a box, each from both its faces; the seam of a sphere and its smooth neighbours are none.
-  const Part box(Shape(std::make_shared<Shape::Impl>(BRepPrimAPI_MakeBox(10, 20, 30).Solid())));
+  const RimmedPart box(Shape(std::make_shared<Shape::Impl>(BRepPrimAPI_MakeBox(10, 20, 30).Solid())));
   double length = 0;
   const Rim sharp(box.model, box.registration, context);
   for (const Rim::Place& p : sharp.places()) {
@@ -95,11 +95,11 @@ TEST_CASE("fit_to_rim: points that slid over the border of a plate come back to 
       const RimFit fit = settled(plate(), points, motion({0, 0, 0.01 * slid[0]}, to_eigen(slid), {50, 30, 0}));
       CHECK(fit.motions == 3);
       // The outermost of n points of a side is 1/n of the width off it in the mean; the mean of two such gaps, and the
-      // spread that the noise leaves, stay well below four of them.
+      // spread that the rim_noise leaves, stay well below four of them.
       double worst = 0;
       for (const Vec3& p : {Vec3(0, 0, 0), Vec3(width, 0, 0), Vec3(0, height, 0), Vec3(width, height, 0)})
         worst = std::max(worst, (fit.pose(p) - p).norm());
-      CHECK(worst < 4 * width / 3000 + 2 * noise);
+      CHECK(worst < 4 * width / 3000 + 2 * rim_noise);
       CHECK(std::abs(fit.pose(Vec3(50, 30, 0))[2]) < 1e-9);
     }
   }
@@ -111,14 +111,14 @@ TEST_CASE("fit_to_rim: where the scan ends before the border does, nothing is ce
   // Free to slide along x: it stays where it is, and across it goes to the middle.
   const RimFit kept = settled(plate(), points, away);
   CHECK(kept.pose.translation[0] == doctest::Approx(3).epsilon(0.02));
-  CHECK(std::abs(kept.pose(Vec3(50, 30, 0))[1] - 30) < 4 * height / 3000 + 2 * noise);
+  CHECK(std::abs(kept.pose(Vec3(50, 30, 0))[1] - 30) < 4 * height / 3000 + 2 * rim_noise);
   // Over the border by 5: it comes back until it does not hang over, and no farther.
   const RimFit drawn = settled(plate(), points, motion({0, 0, 0}, {35, 0, 0}, {0, 0, 0}));
   CHECK(drawn.pose.translation[0] == doctest::Approx(30).epsilon(0.01));
 }
 
 TEST_CASE("align: a cap of a sphere turns under its rim until nothing hangs over") {
-  const Part part(example_part("sphere-cap"));
+  const RimmedPart part(example_part("sphere-cap"));
   RandomStream random(3);
   for (int test = 0; test < 6; ++test) {
     // Evenly over the cap by the height, which on a sphere is even over the area.
@@ -127,7 +127,7 @@ TEST_CASE("align: a cap of a sphere turns under its rim until nothing hangs over
         motion({random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)}, {30, -200, 50}, {0, 0, 0});
     for (int i = 0; i < 3000; ++i) {
       const double z = 50 * random.uniform(0.5, 1), angle = 2 * std::numbers::pi * random.uniform();
-      const double r = std::sqrt(50.0 * 50.0 - z * z), scale = 1 + noise / 50 * random.normal();
+      const double r = std::sqrt(50.0 * 50.0 - z * z), scale = 1 + rim_noise / 50 * random.normal();
       points.push_back(away(Vec3(r * std::cos(angle), r * std::sin(angle), z) * scale));
     }
     for (int i = 0; i < 300; ++i)

@@ -14,7 +14,6 @@ using namespace tri;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr HoleStrategy strategies[] = {HoleStrategy::nearest_diagonal, HoleStrategy::minimum_area_dihedral,
                                        HoleStrategy::minimum_area, HoleStrategy::least_bending};
 
@@ -68,7 +67,7 @@ std::vector<Vec3> random_loop(int n, double noise, std::mt19937& random) {
   }
   std::vector<Vec3> loop;
   for (int i = 0; i < n; ++i) {
-    const double t = 2 * pi * i / n;
+    const double t = 2 * std::numbers::pi * i / n;
     Vec3 p(std::cos(t), std::sin(t), 0);
     for (int k = 1; k <= 8; ++k)
       for (int x = 0; x < 3; ++x)
@@ -135,7 +134,7 @@ TEST_CASE("fill_ring: a flat ring of many teeth is tiled without overlap") {
       Ring ring;
       double flat = 0;
       for (int i = 0; i < n; ++i) {
-        const double r = i % 2 ? 1 : 0.9 + 0.05 * std::sin(7.0 * i), a = 2 * pi * i / n;
+        const double r = i % 2 ? 1 : 0.9 + 0.05 * std::sin(7.0 * i), a = 2 * std::numbers::pi * i / n;
         ring.points.push_back({r * std::cos(a), r * std::sin(a), 0});
         ring.edge_normals.push_back({0, 0, 1});
       }

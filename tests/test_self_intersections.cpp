@@ -16,7 +16,7 @@ namespace {
 
 using Integer = std::int64_t;
 using Point = std::array<Integer, 3>;
-using Corners = std::array<Point, 3>;
+using PointTriple = std::array<Point, 3>;
 using Pair = std::array<std::uint32_t, 2>;
 
 Point minus(const Point& a, const Point& b) {
@@ -29,14 +29,14 @@ Integer dot(const Point& a, const Point& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-Point normal(const Corners& t) {
+Point normal(const PointTriple& t) {
   return cross(minus(t[1], t[0]), minus(t[2], t[0]));
 }
-bool has_area(const Corners& t) {
+bool has_area(const PointTriple& t) {
   return normal(t) != Point{0, 0, 0};
 }
 
-bool separates(const Point& axis, const Corners& a, const Corners& b) {
+bool separates(const Point& axis, const PointTriple& a, const PointTriple& b) {
   Integer a_low = dot(axis, a[0]), a_high = a_low, b_low = dot(axis, b[0]), b_high = b_low;
   for (int k = 1; k < 3; ++k) {
     a_low = std::min(a_low, dot(axis, a[k])), a_high = std::max(a_high, dot(axis, a[k]));
@@ -47,7 +47,7 @@ bool separates(const Point& axis, const Corners& a, const Corners& b) {
 
 // Two convex polytopes have no point in common exactly if an axis from this finite list separates them: the normals of
 // the faces of their Minkowski difference, and, where that is flat, of its sides. Exact for coordinates below 2^12.
-bool meet(const Corners& a, const Corners& b) {
+bool meet(const PointTriple& a, const PointTriple& b) {
   const Point na = normal(a), nb = normal(b);
   if (separates(na, a, b) || separates(nb, a, b)) return false;
   for (int i = 0; i < 3; ++i) {
@@ -63,7 +63,7 @@ struct IntegerSoup {
   std::vector<Point> points;
   std::vector<Triangle> triangles;
 
-  Corners corners(std::size_t t) const {
+  PointTriple corners(std::size_t t) const {
     return {points[triangles[t][0]], points[triangles[t][1]], points[triangles[t][2]]};
   }
   std::vector<Pair> brute_force() const {
@@ -108,8 +108,8 @@ std::vector<Pair> found(const std::vector<Vec3>& points, const std::vector<Trian
   return self_intersections(points, triangles, context);
 }
 
-bool both_ways(const Corners& a, const Corners& b) {
-  const auto place = [](const Corners& t) {
+bool both_ways(const PointTriple& a, const PointTriple& b) {
+  const auto place = [](const PointTriple& t) {
     std::array<Vec3, 3> p;
     for (int k = 0; k < 3; ++k)
       p[k] = Vec3(static_cast<double>(t[k][0]), static_cast<double>(t[k][1]), static_cast<double>(t[k][2]));
@@ -124,7 +124,7 @@ bool both_ways(const Corners& a, const Corners& b) {
 }  // namespace
 
 TEST_CASE("triangles_intersect: one point in common is enough, wherever it lies on the two") {
-  const Corners flat{{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}}};
+  const PointTriple flat{{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}}};
   CHECK(both_ways(flat, {{{2, 2, 0}, {3, 4, 5}, {2, 5, 7}}}));         // a corner inside the other
   CHECK(both_ways(flat, {{{4, 0, 0}, {4, -3, 5}, {6, -5, 7}}}));       // a corner on an edge
   CHECK(both_ways(flat, {{{0, 0, 0}, {-4, -3, 5}, {-6, -5, 7}}}));     // a corner on a corner
@@ -137,7 +137,7 @@ TEST_CASE("triangles_intersect: one point in common is enough, wherever it lies 
 }
 
 TEST_CASE("triangles_intersect: in one plane") {
-  const Corners flat{{{0, 0, 3}, {8, 0, 3}, {0, 8, 3}}};
+  const PointTriple flat{{{0, 0, 3}, {8, 0, 3}, {0, 8, 3}}};
   CHECK(both_ways(flat, {{{1, 1, 3}, {3, 1, 3}, {1, 3, 3}}}));    // nested
   CHECK(both_ways(flat, {{{-1, 3, 3}, {9, 3, 3}, {-1, 4, 3}}}));  // across, no corner inside either
   CHECK(both_ways(flat, {{{8, 0, 3}, {12, 0, 3}, {9, 5, 3}}}));   // corner to corner

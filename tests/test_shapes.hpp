@@ -9,7 +9,7 @@
 
 namespace tri::test {
 
-inline constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A parametric surface over a grid of cells, two triangles each, counter-clockwise in (u, v). Vertex (i, j) has index
 /// j * columns + i.

@@ -80,7 +80,7 @@ test::LinkedTriangles check_connected(const ShellConnection& shell, const std::v
 }
 
 // All of it, with the topology of the model.
-void check_complete(const CadModel& model, const std::vector<Foot>& feet) {
+void check_shell_complete(const CadModel& model, const std::vector<Foot>& feet) {
   Context context;
   const Tessellation tessellation = tessellation_of(model);
   check_inserted(insert_feet(model, tessellation, feet, context), tessellation, feet);
@@ -240,7 +240,7 @@ TEST_CASE("connect_by_shell: solids of planes, cylinders, cones, spheres and tor
         options.points = static_cast<std::uint64_t>(points);
         options.pattern = pattern;
         const test::MeasuredPart part = test::measured_part(make_shape(solid.shape), options);
-        check_complete(part.model, part.feet);
+        check_shell_complete(part.model, part.feet);
       }
 }
 
@@ -253,7 +253,7 @@ TEST_CASE("connect_by_shell: every example part keeps its topology and every poi
       options.points = 3400;
       options.pattern = pattern;
       const test::MeasuredPart part = test::measured_part(shape, options);
-      check_complete(part.model, part.feet);
+      check_shell_complete(part.model, part.feet);
     }
   }
 }
@@ -263,7 +263,7 @@ TEST_CASE("connect_by_shell: points without a face are left out") {
   options.points = 600;
   test::MeasuredPart part = test::measured_part(box(), options);
   for (std::size_t i = 0; i < part.feet.size(); i += 3) part.feet[i].face = -1;
-  check_complete(part.model, part.feet);
+  check_shell_complete(part.model, part.feet);
 }
 
 TEST_CASE("connect_by_shell: points that share their foot are all vertices") {
@@ -272,7 +272,7 @@ TEST_CASE("connect_by_shell: points that share their foot are all vertices") {
   test::MeasuredPart part = test::measured_part(box(), options);
   for (int copy = 0; copy < 3; ++copy) part.feet.push_back(part.feet[10]);
   for (int copy = 0; copy < 40; ++copy) part.feet.push_back(part.feet[20]);
-  check_complete(part.model, part.feet);
+  check_shell_complete(part.model, part.feet);
 }
 
 TEST_CASE("connect_by_shell: feet on corners and edges of the model, again and again") {
@@ -285,7 +285,7 @@ TEST_CASE("connect_by_shell: feet on corners and edges of the model, again and a
     for (const Vec2& uv : {Vec2(f.u_min, f.v_min), Vec2(f.u_max, f.v_max), Vec2(f.u_min, v), Vec2(u, f.v_max)})
       for (int copy = 0; copy < 2; ++copy) part.feet.push_back(test::foot_at(part.model, face, uv));
   }
-  check_complete(part.model, part.feet);
+  check_shell_complete(part.model, part.feet);
 }
 
 TEST_CASE("connect_by_shell: feet on the poles and along the seam of a sphere") {
@@ -299,14 +299,14 @@ TEST_CASE("connect_by_shell: feet on the poles and along the seam of a sphere") 
     part.feet.push_back(test::foot_at(part.model, 0, Vec2(f.u_min, f.v_min + 0.1 + 0.4 * i)));
     part.feet.push_back(test::foot_at(part.model, 0, Vec2(f.u_max, f.v_min + 0.3 + 0.4 * i)));
   }
-  check_complete(part.model, part.feet);
+  check_shell_complete(part.model, part.feet);
 }
 
 TEST_CASE("connect_by_shell: all points on one face of a closed box keep it closed") {
   const CadModel model = make_cad_model(box());
   for (int face = 0; face < 6; face += 2) {
     CAPTURE(face);
-    check_complete(model, feet_on(model, face, 60, 8));
+    check_shell_complete(model, feet_on(model, face, 60, 8));
   }
 }
 
@@ -342,7 +342,7 @@ TEST_CASE("connect_by_shell: a part of the model without points is left out and 
   MeasurementOptions options;
   options.points = 600;
   test::MeasuredPart part = test::measured_part(make_shape(both), options);
-  check_complete(part.model, part.feet);
+  check_shell_complete(part.model, part.feet);
   for (Foot& foot : part.feet)
     if (foot.point[0] > 30) foot.face = -1;
   Context context;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr SmoothMethod methods[] = {SmoothMethod::laplace, SmoothMethod::taubin, SmoothMethod::cotangent};
 
-Report run(Mesh& mesh, const SmoothOptions& options = {}) {
+Report run_smooth(Mesh& mesh, const SmoothOptions& options = {}) {
   Context context;
   const Report report = smooth(view_of(mesh), options, context);
   CHECK_VALID_MESH(mesh);
@@ -46,8 +46,8 @@ double rms(const Mesh& mesh, const std::function<double(const Vec3&)>& error,
   return std::sqrt(sum / n);
 }
 
-/// The unit sphere: an icosahedron, each triangle split into `n` x `n` and laid onto the sphere.
-Mesh sphere(int n) {
+/// The unit round_sphere: an icosahedron, each triangle split into `n` x `n` and laid onto the round_sphere.
+Mesh round_sphere(int n) {
   const Mesh coarse = icosahedron();
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
@@ -77,7 +77,7 @@ double mean_edge(const Mesh& mesh) {
 }
 
 /// The surface of a box of cells, each face a grid; faces look outward.
-Mesh box(int n) {
+Mesh grid_box(int n) {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
   const auto vertex = [&](Vec3 p) {
@@ -116,7 +116,7 @@ TEST_CASE("smooth: noise on a plane falls to a fifth (taubin: two fifths), away 
     const auto error = [](const Vec3& p) { return p[2]; };
     const double before = rms(mesh, error, inside);
     const Mesh original = mesh;
-    const Report report = run(mesh, {.method = method});
+    const Report report = run_smooth(mesh, {.method = method});
     CHECK(rms(mesh, error, inside) < (method == SmoothMethod::taubin ? 0.4 : 0.2) * before);
     CHECK(report.vertices_moved == 39 * 39);
     CHECK(report.skipped.at("on the boundary") == 4 * 40 - 4);
@@ -134,17 +134,17 @@ TEST_CASE("smooth: noise on a plane falls to a fifth (taubin: two fifths), away 
   }
 }
 
-TEST_CASE("smooth: noise on a sphere falls, and taubin keeps its volume to a thousandth") {
-  const Mesh clean = sphere(16);
+TEST_CASE("smooth: noise on a round_sphere falls, and taubin keeps its volume to a thousandth") {
+  const Mesh clean = round_sphere(16);
   const double h = mean_edge(clean);
   for (const SmoothMethod method : methods) {
     Mesh mesh = clean;
     add_noise(mesh, 0.1 * h, [](const Vec3& p) { return p.normalized(); });
     const double volume = mesh_volume(view_of(mesh));
-    const Report report = run(mesh, {.method = method});
+    const Report report = run_smooth(mesh, {.method = method});
     CHECK(report.figures.at("volume before") == doctest::Approx(volume));
     CHECK(report.figures.at("volume after") == doctest::Approx(mesh_volume(view_of(mesh))));
-    // Shrinking is judged by the volume; here by the distance from the mean sphere.
+    // Shrinking is judged by the volume; here by the distance from the mean round_sphere.
     double mean = 0;
     for (const VertexHandle v : mesh.vertices()) mean += mesh.point(v).norm() / static_cast<double>(mesh.n_vertices());
     const double left = rms(
@@ -168,7 +168,7 @@ TEST_CASE(
   };
   const auto drift = [&](SmoothMethod method) {
     Mesh mesh = shape.mesh();
-    run(mesh, {.method = method});
+    run_smooth(mesh, {.method = method});
     const Mesh before = shape.mesh();
     double sum = 0;
     for (const VertexHandle v : mesh.vertices()) sum += std::abs((mesh.point(v) - before.point(v))[2]);
@@ -182,13 +182,13 @@ TEST_CASE(
   const auto error = [](const Vec3& p) { return std::hypot(p[0], p[1]) - 2; };
   const auto inside = [&](VertexHandle v) { return !noisy.is_boundary(v); };
   const double before = rms(noisy, error, inside);
-  run(noisy, {.iterations = 5});
+  run_smooth(noisy, {.iterations = 5});
   CHECK(rms(noisy, error, inside) < 0.6 * before);
 }
 
-TEST_CASE("smooth: creases and corners of a box stay bit for bit, and its noisy faces become flat") {
+TEST_CASE("smooth: creases and corners of a grid_box stay bit for bit, and its noisy faces become flat") {
   for (const SmoothMethod method : methods) {
-    Mesh mesh = box(8);
+    Mesh mesh = grid_box(8);
     const Mesh exact = mesh;
     std::mt19937 random(5);
     std::normal_distribution<double> noise(0, 0.05);
@@ -209,7 +209,7 @@ TEST_CASE("smooth: creases and corners of a box stay bit for bit, and its noisy 
         if (exact.point(v)[k] == 0 || exact.point(v)[k] == 8) mesh.point(v)[k] += noise(random);
       before += off(v);
     }
-    const Report report = run(mesh, {.method = method});
+    const Report report = run_smooth(mesh, {.method = method});
     for (const VertexHandle v : mesh.vertices()) {
       if (extremes(v) >= 2)
         CHECK(mesh.point(v) == exact.point(v));
@@ -224,7 +224,7 @@ TEST_CASE("smooth: creases and corners of a box stay bit for bit, and its noisy 
 
 TEST_CASE("smooth: along creases, straight edges stay straight, corners stay, and vertices are spaced evenly") {
   for (const SmoothMethod method : methods) {
-    Mesh mesh = box(8);
+    Mesh mesh = grid_box(8);
     std::mt19937 random(5);
     std::uniform_real_distribution<double> shift(-0.3, 0.3);
     const auto on_edge = [](const Vec3& p) {
@@ -238,17 +238,17 @@ TEST_CASE("smooth: along creases, straight edges stay straight, corners stay, an
         if (mesh.point(v)[k] != 0 && mesh.point(v)[k] != 8) mesh.point(v)[k] += shift(random);
     }
     const Mesh start = mesh;
-    run(mesh, {.method = method, .creases = LineRule::along});
+    run_smooth(mesh, {.method = method, .creases = LineRule::along});
     for (const VertexHandle v : mesh.vertices()) {
       CHECK(on_edge(mesh.point(v)) == on_edge(start.point(v)));
       if (on_edge(start.point(v)) == 3) CHECK(mesh.point(v) == start.point(v));
     }
     CHECK(mesh_volume(view_of(mesh)) == doctest::Approx(512).epsilon(1e-12));
   }
-  Mesh uneven = box(8);
+  Mesh uneven = grid_box(8);
   for (const VertexHandle v : uneven.vertices())
     if (uneven.point(v) == Vec3(4, 0, 0)) uneven.point(v)[0] = 4.6;
-  run(uneven, {.method = SmoothMethod::laplace, .iterations = 200, .creases = LineRule::along});
+  run_smooth(uneven, {.method = SmoothMethod::laplace, .iterations = 200, .creases = LineRule::along});
   for (const VertexHandle v : uneven.vertices())
     if (uneven.point(v)[1] == 0 && uneven.point(v)[2] == 0)
       CHECK(uneven.point(v)[0] == doctest::Approx(std::round(uneven.point(v)[0])).epsilon(1e-3));
@@ -265,10 +265,10 @@ TEST_CASE("smooth: along the boundary, a noisy rim is smoothed; else it stays bi
     Mesh fixed = mesh, along = mesh;
     const auto rim = [&](VertexHandle v) { return mesh.is_boundary(v); };
     const double before = rms(mesh, off, rim);
-    run(fixed, {.method = method});
+    run_smooth(fixed, {.method = method});
     for (const VertexHandle v : mesh.vertices())
       if (rim(v)) CHECK(fixed.point(v) == mesh.point(v));
-    run(along, {.method = method, .boundary = LineRule::along});
+    run_smooth(along, {.method = method, .boundary = LineRule::along});
     CHECK(rms(along, off, rim) < 0.6 * before);
   }
 }
@@ -283,7 +283,7 @@ TEST_CASE("smooth: a coordinate that all points share is kept bit for bit") {
       mesh.point(v) += Vec3(x, y, 0);
       mesh.point(v)[2] = 0.1;
     }
-    const Report report = run(mesh, {.method = method, .boundary = LineRule::along});
+    const Report report = run_smooth(mesh, {.method = method, .boundary = LineRule::along});
     CHECK(report.vertices_moved > 0);
     for (const VertexHandle v : mesh.vertices()) CHECK(mesh.point(v)[2] == 0.1);
   }
@@ -294,7 +294,7 @@ TEST_CASE("smooth: max-distance bounds how far a vertex ends from its start") {
     Mesh mesh = grid(20, 20);
     add_noise(mesh, 0.1, [](const Vec3&) { return Vec3(0, 0, 1); });
     const Mesh start = mesh;
-    const Report report = run(mesh, {.method = method, .max_distance = 0.05});
+    const Report report = run_smooth(mesh, {.method = method, .max_distance = 0.05});
     int held = 0;
     for (const VertexHandle v : mesh.vertices()) {
       const double moved = (mesh.point(v) - start.point(v)).norm();
@@ -314,7 +314,7 @@ TEST_CASE("smooth: no triangle is folded over, though the mean of the neighbours
   for (int i = 0; i < 6; ++i) triangles.push_back({i, (i + 1) % 6, 6});
   for (const SmoothMethod method : methods) {
     Mesh mesh = make_mesh(points, triangles);
-    const Report report = run(mesh, {.method = method, .iterations = 40});
+    const Report report = run_smooth(mesh, {.method = method, .iterations = 40});
     if (method == SmoothMethod::laplace) CHECK(report.figures.at("held back from folding") == 1);
     CHECK(report.vertices_moved == 1);
     for (const FaceHandle f : mesh.faces()) CHECK(mesh.calc_face_normal(f)[2] > 0);
@@ -322,7 +322,7 @@ TEST_CASE("smooth: no triangle is folded over, though the mean of the neighbours
   // Folds that were there may go.
   Mesh folded = grid(8, 8);
   folded.point(VertexHandle(40)) += Vec3(1.3, 0.2, 0);
-  run(folded);
+  run_smooth(folded);
   for (const FaceHandle f : folded.faces()) CHECK(folded.calc_face_normal(f)[2] > 0);
 }
 
@@ -340,7 +340,7 @@ TEST_CASE("smooth: no NaN on triangles without area, and nothing leaves the hull
     for (const double strength : {0.01, 0.65, 100.0}) {
       if (strength > 1 && method != SmoothMethod::cotangent) continue;
       Mesh moved = mesh;
-      run(moved,
+      run_smooth(moved,
           {.method = method, .iterations = 30, .strength = strength, .feature_angle = pi, .boundary = LineRule::along});
       for (const VertexHandle v : moved.vertices())
         for (int k = 0; k < 3; ++k) {
@@ -357,7 +357,7 @@ TEST_CASE("smooth: a point that is not finite stays and pulls no neighbour") {
     Mesh mesh = bumpy_grid(8, 8);
     mesh.point(VertexHandle(40))[1] = std::nan("");
     mesh.point(VertexHandle(20))[2] = std::numeric_limits<double>::infinity();
-    const Report report = run(mesh, {.method = method, .feature_angle = pi});
+    const Report report = run_smooth(mesh, {.method = method, .feature_angle = pi});
     CHECK(report.skipped.at("not finite") == 2);
     CHECK(report.vertices_moved == 7 * 7 - 2);
     for (const VertexHandle v : mesh.vertices()) {
@@ -368,10 +368,10 @@ TEST_CASE("smooth: a point that is not finite stays and pulls no neighbour") {
 }
 
 TEST_CASE("smooth: a note where creases hold much of the mesh, and a larger angle lets go") {
-  Mesh mesh = sphere(10);
+  Mesh mesh = round_sphere(10);
   add_noise(mesh, 0.4 * mean_edge(mesh), [](const Vec3& p) { return p.normalized(); });
   Mesh again = mesh;
-  const Report held = run(mesh, {.feature_angle = 0.2}), free = run(again, {.feature_angle = pi});
+  const Report held = run_smooth(mesh, {.feature_angle = 0.2}), free = run_smooth(again, {.feature_angle = pi});
   CHECK(held.notes.size() == 1);
   CHECK(held.skipped.at("on a crease") + held.skipped.at("at a corner") + held.vertices_moved == mesh.n_vertices());
   CHECK(free.notes.empty());
@@ -397,7 +397,7 @@ TEST_CASE("smooth: each method and rule gives the same on any number of threads,
     single.threads = 1;
     smooth(view_of(one), options, single);
     Mesh many = mesh;
-    run(many, options);
+    run_smooth(many, options);
     CHECK(snapshot(view_of(one)) == snapshot(view_of(many)));
 
     const Snapshot before = snapshot(view_of(mesh));

@@ -10,7 +10,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Soup& soup) {
+Report run_split(Soup& soup) {
   Context context;
   return split_non_manifold(soup, {}, context);
 }
@@ -39,7 +39,7 @@ TEST_CASE("split_non_manifold: solids that touch in an edge or a corner come apa
   for (const Vec3& place : {Vec3(1, 1, 0), Vec3(1, 1, 1)}) {
     Soup soup = touching(joined(cube(), cube(place)));
     REQUIRE_FALSE(summarize(soup).manifold);
-    const Report report = run(soup);
+    const Report report = run_split(soup);
     const MeshSummary s = summarize(soup);
     CHECK(s.manifold);
     CHECK(s.closed);
@@ -68,7 +68,7 @@ TEST_CASE("split_non_manifold: a fin comes off, inside or outside, either way ro
       soup.points.emplace_back(1, -side, 1);
       soup.triangles.push_back(turned ? Triangle{a, b, c} : Triangle{b, a, c});
       REQUIRE(summarize(soup).nonmanifold_edges == 1);
-      run(soup);
+      run_split(soup);
       const MeshSummary s = summarize(soup);
       CHECK(s.manifold);
       CHECK(s.components == 2);
@@ -86,7 +86,7 @@ TEST_CASE("split_non_manifold: crossing sheets do not cross any more, and none i
     soup.points = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0.5}, {0, 1, 0.5}, {-1, 0, 0.5}, {0, -1, 0.5}};
     for (std::uint32_t i = 0; i < 4; ++i)
       soup.triangles.push_back((mask >> i & 1) != 0 ? Triangle{0, 1, 2 + i} : Triangle{1, 0, 2 + i});
-    run(soup);
+    run_split(soup);
     const MeshSummary s = summarize(soup);
     CAPTURE(mask);
     CHECK(s.manifold);
@@ -106,7 +106,7 @@ TEST_CASE("split_non_manifold: three sheets at an edge: the smoothest two stay t
   Soup soup;
   soup.points = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0.5}, {-1, 0.1, 0.5}, {0, 1, 0.5}};
   soup.triangles = {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}};
-  run(soup);
+  run_split(soup);
   const MeshSummary s = summarize(soup);
   CHECK(s.manifold);
   CHECK(s.oriented);
@@ -117,7 +117,7 @@ TEST_CASE("split_non_manifold: three sheets at an edge: the smoothest two stay t
 TEST_CASE("split_non_manifold: nothing moves, and copies have the attributes of their vertex") {
   Soup soup = with_attributes(touching(joined(cube(), cube({1, 1, 0}))));
   const Soup before = soup;
-  run(soup);
+  run_split(soup);
   REQUIRE(soup.triangles.size() == before.triangles.size());
   for (std::size_t i = 0; i < soup.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) CHECK(soup.points[soup.triangles[i][k]] == before.points[before.triangles[i][k]]);

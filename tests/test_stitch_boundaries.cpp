@@ -11,7 +11,7 @@ using namespace tri::test;
 
 namespace {
 
-Report run(Soup& soup, double tolerance = 0) {
+Report run_stitch(Soup& soup, double tolerance = 0) {
   Context context;
   return stitch_boundaries(soup, {.tolerance = tolerance}, context);
 }
@@ -29,7 +29,7 @@ Soup halves(int n, double gap) {
 TEST_CASE("stitch_boundaries: coincident edges are joined exactly, and nothing else") {
   Soup soup = with_attributes(halves(4, 0));
   const std::vector<Vec3> points = soup.points;
-  const Report report = run(soup);
+  const Report report = run_stitch(soup);
   const MeshSummary s = summarize(soup);
   CHECK(s.components == 1);
   CHECK(s.boundary_loops == 1);
@@ -41,8 +41,8 @@ TEST_CASE("stitch_boundaries: coincident edges are joined exactly, and nothing e
 
 TEST_CASE("stitch_boundaries: a gap closes in the middle, up to the tolerance") {
   Soup open = halves(4, 0.1), closed = with_attributes(open);
-  CHECK(run(open, 0.09).unchanged());
-  const Report report = run(closed, 0.11);
+  CHECK(run_stitch(open, 0.09).unchanged());
+  const Report report = run_stitch(closed, 0.11);
   CHECK(summarize(closed).components == 1);
   CHECK(report.vertices_removed == 5);
   CHECK(report.vertices_moved == 5);
@@ -71,7 +71,7 @@ TEST_CASE("stitch_boundaries: a ragged crack in a closed surface heals") {
   for (Vec3& p : upper.points) p += Vec3(any(random), any(random), any(random));
   Soup soup = joined(lower, upper);
   REQUIRE(summarize(soup).boundary_loops == 2);
-  run(soup, 0.05);
+  run_stitch(soup, 0.05);
   const MeshSummary s = summarize(soup);
   CHECK(s.closed);
   CHECK(s.manifold);
@@ -83,7 +83,7 @@ TEST_CASE("stitch_boundaries: edges whose triangles run the same way, or sheets 
   Soup soup = halves(3, 0);
   for (std::size_t i = soup.triangles.size() / 2; i < soup.triangles.size(); ++i) std::swap(soup.triangles[i][0], soup.triangles[i][1]);
   Soup before = soup;
-  const Report report = run(soup);
+  const Report report = run_stitch(soup);
   CHECK(same_soup(soup, before));
   CHECK(report.skipped.size() == 1);
 }
@@ -91,7 +91,7 @@ TEST_CASE("stitch_boundaries: edges whose triangles run the same way, or sheets 
 TEST_CASE("stitch_boundaries: a tolerance beyond all lengths turns nothing over and crowds no edge") {
   for (const double tolerance : {1.0, 3.0, 30.0}) {
     Soup soup = halves(5, 0.3);
-    run(soup, tolerance);
+    run_stitch(soup, tolerance);
     const MeshSummary s = summarize(soup);
     CHECK(s.triangles == 100);
     CHECK(s.nonmanifold_edges == 0);

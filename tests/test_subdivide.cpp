@@ -16,7 +16,7 @@ namespace {
 constexpr SubdivisionScheme schemes[] = {SubdivisionScheme::loop, SubdivisionScheme::butterfly,
                                          SubdivisionScheme::midpoint};
 
-Report run(Mesh& mesh, const SubdivideOptions& options = {}) {
+Report run_subdivide(Mesh& mesh, const SubdivideOptions& options = {}) {
   Context context;
   const Report report = subdivide(view_of(mesh), options, context);
   CHECK_VALID_MESH(mesh);
@@ -29,11 +29,11 @@ std::size_t edges(const Mesh& mesh) {
   return count;
 }
 
-Mesh tetrahedron() {
+Mesh tetrahedron_mesh() {
   return make_mesh({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}});
 }
 
-Mesh box() {
+Mesh plain_box() {
   return make_mesh({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2}, {0, 2, 2}},
                    {{0, 2, 1},
                     {0, 3, 2},
@@ -53,14 +53,14 @@ Mesh box() {
 
 TEST_CASE("subdivide: makes four faces of one and a vertex on each edge; topology stays, closed stays closed") {
   for (const SubdivisionScheme scheme : schemes)
-    for (const Mesh& input : {icosahedron(), tetrahedron(), grid(4, 3), tube(7, 3, 1, 0, 2).mesh(), two_components()}) {
+    for (const Mesh& input : {icosahedron(), tetrahedron_mesh(), grid(4, 3), tube(7, 3, 1, 0, 2).mesh(), two_components()}) {
       Mesh mesh = input;
       const int loops = boundary_loops(mesh), euler = euler_characteristic(mesh);
       for (const int levels : {1, 2}) {
         const std::size_t v = mesh.n_vertices(), e = edges(mesh), f = mesh.n_faces();
         std::size_t boundary = 0;
         for (const EdgeHandle edge : mesh.edges()) boundary += mesh.is_boundary(edge);
-        const Report report = run(mesh, {.scheme = scheme, .levels = levels});
+        const Report report = run_subdivide(mesh, {.scheme = scheme, .levels = levels});
         const auto power = static_cast<std::size_t>(1) << (2 * levels), half = static_cast<std::size_t>(1) << levels;
         CHECK(mesh.n_faces() == power * f);
         CHECK(report.faces_added == (power - 1) * f);
@@ -77,15 +77,15 @@ TEST_CASE("subdivide: makes four faces of one and a vertex on each edge; topolog
 
 TEST_CASE("subdivide: every new vertex inside a regular mesh has six neighbours") {
   Mesh mesh = icosahedron();
-  run(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 3});
+  run_subdivide(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 3});
   for (const VertexHandle v : mesh.vertices()) CHECK(mesh.valence(v) == (v.idx() < 12 ? 5u : 6u));
 }
 
 TEST_CASE("subdivide midpoint: keeps the surface exactly") {
-  for (const Mesh& input : {icosahedron(), bumpy_grid(5, 4), box()}) {
+  for (const Mesh& input : {icosahedron(), bumpy_grid(5, 4), plain_box()}) {
     Mesh mesh = input;
     const double area = mesh_area(view_of(mesh)), volume = mesh_volume(view_of(mesh));
-    const Report report = run(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 2});
+    const Report report = run_subdivide(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 2});
     CHECK(report.vertices_moved == 0);
     CHECK(mesh_area(view_of(mesh)) == doctest::Approx(area).epsilon(1e-12));
     CHECK(mesh_volume(view_of(mesh)) == doctest::Approx(volume).epsilon(1e-12));
@@ -109,7 +109,7 @@ TEST_CASE("subdivide loop: reproduces linear functions on a regular grid, its co
   const auto height = [](const Vec3& p) { return 2 * p[0] - 3 * p[1] + 0.5; };
   for (const VertexHandle v : mesh.vertices()) mesh.point(v)[2] = height(mesh.point(v));
   const Mesh before = mesh;
-  run(mesh, {.levels = 3, .corner_angle = 20 * pi / 180});
+  run_subdivide(mesh, {.levels = 3, .corner_angle = 20 * pi / 180});
   for (const VertexHandle v : mesh.vertices()) {
     CHECK(mesh.point(v)[2] == doctest::Approx(height(mesh.point(v))));
     // In the plane as well: vertices end on the lines of the finest grid, 1/8 apart.
@@ -142,25 +142,25 @@ TEST_CASE("subdivide loop: converges to the known limit of smooth, crease and co
     Vec3 limit = points[0] * (1 - n * c);
     for (int i = 1; i <= n; ++i) limit += points[static_cast<std::size_t>(i)] * c;
     Mesh mesh = make_mesh(points, triangles);
-    run(mesh, {.levels = 6, .feature_angle = pi});
+    run_subdivide(mesh, {.levels = 6, .feature_angle = pi});
     CHECK((mesh.point(VertexHandle(0)) - limit).norm() < 2e-3);
   }
   // A crease and a boundary are cubic B-splines: 2/3 and 1/6.
   Mesh strip = grid(4, 2);
   for (const VertexHandle v : strip.vertices()) strip.point(v)[2] = v.idx() == 2 || v.idx() == 7 ? 0.5 : 0;
-  run(strip, {.levels = 6, .feature_angle = pi, .corner_angle = 80 * pi / 180});
+  run_subdivide(strip, {.levels = 6, .feature_angle = pi, .corner_angle = 80 * pi / 180});
   CHECK(strip.point(VertexHandle(2))[2] == doctest::Approx(1.0 / 3).epsilon(1e-3));
   CHECK(strip.point(VertexHandle(0)) == Vec3(0, 0, 0));
 }
 
 TEST_CASE(
-    "subdivide loop: a box keeps its corners, edges and volume, however often; without features it becomes round") {
-  Mesh sharp = box(), round = box();
-  run(sharp, {.levels = 3});
+    "subdivide loop: a plain_box keeps its corners, edges and volume, however often; without features it becomes round") {
+  Mesh sharp = plain_box(), round = plain_box();
+  run_subdivide(sharp, {.levels = 3});
   CHECK(mesh_volume(view_of(sharp)) == doctest::Approx(8));
   CHECK(mesh_area(view_of(sharp)) == doctest::Approx(24));
-  for (int i = 0; i < 8; ++i) CHECK(sharp.point(VertexHandle(i)) == box().point(VertexHandle(i)));
-  run(round, {.levels = 3, .feature_angle = pi});
+  for (int i = 0; i < 8; ++i) CHECK(sharp.point(VertexHandle(i)) == plain_box().point(VertexHandle(i)));
+  run_subdivide(round, {.levels = 3, .feature_angle = pi});
   CHECK(mesh_volume(view_of(round)) < 5);
   double largest = 0;
   for (const EdgeHandle e : round.edges()) largest = std::max(largest, std::abs(round.calc_dihedral_angle(e)));
@@ -174,7 +174,7 @@ TEST_CASE("subdivide loop: a crease is handed down, also where its angle falls")
   s.nv = 8;
   s.point = [](int i, int j) { return Vec3(i - 1, j, (i == 1 ? 0.62 : 0.0) + 0.02 * j * j); };
   Mesh mesh = s.mesh();
-  run(mesh, {.levels = 3});
+  run_subdivide(mesh, {.levels = 3});
   int sharp = 0;
   for (const EdgeHandle e : mesh.edges()) sharp += !mesh.is_boundary(e) && std::abs(mesh.calc_dihedral_angle(e)) > 0.9;
   CHECK(sharp == 8 * 8);
@@ -187,7 +187,7 @@ TEST_CASE("subdivide butterfly: keeps every vertex, and cubic polynomials on a r
   };
   for (const VertexHandle v : mesh.vertices()) mesh.point(v)[2] = height(mesh.point(v)[0], mesh.point(v)[1]);
   const Mesh before = mesh;
-  run(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 2, .feature_angle = pi, .corner_angle = pi});
+  run_subdivide(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 2, .feature_angle = pi, .corner_angle = pi});
   for (const VertexHandle v : before.vertices()) CHECK(mesh.point(v) == before.point(v));
   int inside = 0;
   for (const VertexHandle v : mesh.vertices()) {
@@ -202,7 +202,7 @@ TEST_CASE("subdivide butterfly: keeps every vertex, and cubic polynomials on a r
 TEST_CASE("subdivide butterfly: linear functions everywhere, straight and cubic rims, corners") {
   Mesh mesh = grid(7, 6);
   for (const VertexHandle v : mesh.vertices()) mesh.point(v)[2] = mesh.point(v)[0] - 2 * mesh.point(v)[1];
-  run(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 3, .corner_angle = 20 * pi / 180});
+  run_subdivide(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 3, .corner_angle = 20 * pi / 180});
   for (const VertexHandle v : mesh.vertices())
     CHECK(mesh.point(v)[2] == doctest::Approx(mesh.point(v)[0] - 2 * mesh.point(v)[1]));
   double area = 0;  // no corner is cut, no rim bent
@@ -210,7 +210,7 @@ TEST_CASE("subdivide butterfly: linear functions everywhere, straight and cubic 
   CHECK(area == doctest::Approx(42 * std::sqrt(6.0)));
   Mesh rim = grid(8, 2);
   for (const VertexHandle v : rim.vertices()) rim.point(v)[2] = 0.01 * std::pow(rim.point(v)[0], 3);
-  run(rim, {.scheme = SubdivisionScheme::butterfly, .feature_angle = pi});
+  run_subdivide(rim, {.scheme = SubdivisionScheme::butterfly, .feature_angle = pi});
   for (const VertexHandle v : rim.vertices()) {
     const Vec3& p = rim.point(v);
     if (p[1] == 0 && p[0] > 1 && p[0] < 7) CHECK(p[2] == doctest::Approx(0.01 * std::pow(p[0], 3)));
@@ -220,7 +220,7 @@ TEST_CASE("subdivide butterfly: linear functions everywhere, straight and cubic 
 TEST_CASE("subdivide butterfly: an icosahedron swells towards its sphere") {
   Mesh mesh = icosahedron();
   const double radius = mesh.point(VertexHandle(0)).norm();
-  run(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 4, .feature_angle = pi});
+  run_subdivide(mesh, {.scheme = SubdivisionScheme::butterfly, .levels = 4, .feature_angle = pi});
   const double ball = 4 * pi / 3 * std::pow(radius, 3);
   CHECK(mesh_volume(view_of(mesh)) > 0.9 * ball);
   CHECK(mesh_volume(view_of(mesh)) < 1.1 * ball);
@@ -235,7 +235,7 @@ TEST_CASE("subdivide: properties of new elements come from what they are made of
   mesh.add_property(group, "f:group");
   for (const VertexHandle v : mesh.vertices()) mesh.property(temperature, v) = mesh.point(v)[0] + 10 * mesh.point(v)[1];
   for (const FaceHandle f : mesh.faces()) mesh.property(group, f) = f.idx() / 2;
-  run(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 2});
+  run_subdivide(mesh, {.scheme = SubdivisionScheme::midpoint, .levels = 2});
   for (const VertexHandle v : mesh.vertices())
     CHECK(mesh.property(temperature, v) == doctest::Approx(mesh.point(v)[0] + 10 * mesh.point(v)[1]));
   for (const FaceHandle f : mesh.faces()) {
@@ -268,7 +268,7 @@ TEST_CASE("subdivide: cancelled, the surface is that of the last whole level") {
   Mesh start = bumpy_grid(40, 40);
   const double area = mesh_area(view_of(start));
   Mesh once = start;
-  run(once);
+  run_subdivide(once);
   const double area_once = mesh_area(view_of(once));
   int cancelled = 0;
   for (int stop = 1; stop < 60; stop += 4) {
@@ -293,12 +293,12 @@ TEST_CASE("subdivide: cancelled, the surface is that of the last whole level") {
 
 TEST_CASE("subdivide: two triangles back to back, and points that are not finite") {
   Mesh pillow = make_mesh({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 2, 1}});
-  const Report report = run(pillow);
+  const Report report = run_subdivide(pillow);
   CHECK(report.unchanged());
   CHECK(report.skipped.at("edges of triangles back to back") == 3);
   Mesh mesh = bumpy_grid(6, 6);
   mesh.point(VertexHandle(24))[1] = std::nan("");
-  run(mesh);
+  run_subdivide(mesh);
   for (const VertexHandle v : mesh.vertices()) {
     if (v.idx() == 24 || (v.idx() >= 49 && std::isnan(mesh.point(v)[1]))) continue;
     for (int k = 0; k < 3; ++k) CHECK(std::isfinite(mesh.point(v)[k]));

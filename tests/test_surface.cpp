@@ -53,7 +53,7 @@ using std::numbers::pi;
 const gp_Ax3 axes(gp_Pnt(10, -20, 5), gp_Dir(0.3, -0.5, 0.8), gp_Dir(1, 1, 0.2));
 
 template <class A, class B>
-double distance(const A& a, const B& b) {
+double gap(const A& a, const B& b) {
   double sum = 0;
   for (int c = 0; c < static_cast<int>(A::size_); ++c) sum += (a[c] - b.Coord(c + 1)) * (a[c] - b.Coord(c + 1));
   return std::sqrt(sum);
@@ -169,13 +169,13 @@ void check_surface(const Handle(Geom_Surface) & expected, double u0, double u1, 
       const double scale =
           1 + p.XYZ().Modulus() + du.Magnitude() + dv.Magnitude() + duu.Magnitude() + duv.Magnitude() + dvv.Magnitude();
       const double tolerance = 1e-11 * scale;
-      CHECK(distance(s.p, p) <= tolerance);
-      CHECK(distance(surface->point(u, v), p) <= tolerance);
-      CHECK(distance(s.du, du) <= tolerance);
-      CHECK(distance(s.dv, dv) <= tolerance);
-      CHECK(distance(s.duu, duu) <= tolerance);
-      CHECK(distance(s.duv, duv) <= tolerance);
-      CHECK(distance(s.dvv, dvv) <= tolerance);
+      CHECK(gap(s.p, p) <= tolerance);
+      CHECK(gap(surface->point(u, v), p) <= tolerance);
+      CHECK(gap(s.du, du) <= tolerance);
+      CHECK(gap(s.dv, dv) <= tolerance);
+      CHECK(gap(s.duu, duu) <= tolerance);
+      CHECK(gap(s.duv, duv) <= tolerance);
+      CHECK(gap(s.dvv, dvv) <= tolerance);
       CHECK(s.du.norm() <= all.du * (1 + 1e-12) + tolerance);
       CHECK(s.dv.norm() <= all.dv * (1 + 1e-12) + tolerance);
       CHECK(s.duu.norm() <= all.duu * (1 + 1e-12) + tolerance);
@@ -227,10 +227,10 @@ void check_curve2(const Handle(Geom2d_Curve) & expected, double first, double la
     expected->D2(t, p, d, dd);
     const CurvePoint2 c = curve->evaluate(t);
     const double tolerance = 1e-11 * (1 + p.XY().Modulus() + d.Magnitude() + dd.Magnitude());
-    CHECK(distance(c.p, p) <= tolerance);
-    CHECK(distance(curve->point(t), p) <= tolerance);
-    CHECK(distance(c.d, d) <= tolerance);
-    CHECK(distance(c.dd, dd) <= tolerance);
+    CHECK(gap(c.p, p) <= tolerance);
+    CHECK(gap(curve->point(t), p) <= tolerance);
+    CHECK(gap(c.d, d) <= tolerance);
+    CHECK(gap(c.dd, dd) <= tolerance);
     for (int k = 0; k < 2; ++k) {
       CHECK(std::abs(c.d[k]) <= bound.d[k] * (1 + 1e-12) + tolerance);
       CHECK(std::abs(c.dd[k]) <= bound.dd[k] * (1 + 1e-12) + tolerance);
@@ -249,9 +249,9 @@ void check_curve3(const Handle(Geom_Curve) & expected, double first, double last
     expected->D2(t, p, d, dd);
     const CurvePoint3 c = curve->evaluate(t);
     const double tolerance = 1e-11 * (1 + p.XYZ().Modulus() + d.Magnitude() + dd.Magnitude());
-    CHECK(distance(c.p, p) <= tolerance);
-    CHECK(distance(c.d, d) <= tolerance);
-    CHECK(distance(c.dd, dd) <= tolerance);
+    CHECK(gap(c.p, p) <= tolerance);
+    CHECK(gap(c.d, d) <= tolerance);
+    CHECK(gap(c.dd, dd) <= tolerance);
     for (int k = 0; k < 3; ++k) {
       CHECK(std::abs(c.d[k]) <= bound.d[k] * (1 + 1e-12) + tolerance);
       CHECK(std::abs(c.dd[k]) <= bound.dd[k] * (1 + 1e-12) + tolerance);
@@ -408,8 +408,8 @@ TEST_CASE("surface: many poles find their span") {
   std::uniform_real_distribution<double> t(0, at + 1);
   for (int i = 0; i < 3000; ++i) {
     const double u = i < 1000 ? knots[i] : t(random);
-    CHECK(distance(surface->point(u, 0.3), s->Value(u, 0.3)) < 1e-8);
-    CHECK(distance(surface->evaluate(u, 0.3).p, s->Value(u, 0.3)) < 1e-8);
+    CHECK(gap(surface->point(u, 0.3), s->Value(u, 0.3)) < 1e-8);
+    CHECK(gap(surface->evaluate(u, 0.3).p, s->Value(u, 0.3)) < 1e-8);
   }
 }
 

@@ -21,7 +21,7 @@ std::vector<Vec3> random_points(std::size_t n, const Vec3& center, double half, 
 }
 
 /// The definition, voxel by voxel.
-std::vector<Vec3> by_definition(const std::vector<Vec3>& points, double voxel) {
+std::vector<Vec3> thinned_by_definition(const std::vector<Vec3>& points, double voxel) {
   std::map<std::array<double, 3>, std::vector<std::size_t>> voxels;
   for (std::size_t i = 0; i < points.size(); ++i)
     voxels[{std::floor(points[i][0] / voxel), std::floor(points[i][1] / voxel), std::floor(points[i][2] / voxel)}]
@@ -49,7 +49,7 @@ TEST_CASE("thin: of each voxel the point nearest the mean stays, also across zer
       CAPTURE(voxel);
       PointSet set;
       set.points = random_points(3000, center, 5, 1);
-      const std::vector<Vec3> expected = by_definition(set.points, voxel);
+      const std::vector<Vec3> expected = thinned_by_definition(set.points, voxel);
       Context context;
       const Report report = thin(set, {.voxel = voxel}, context);
       CHECK(set.points == expected);
@@ -62,7 +62,7 @@ TEST_CASE("thin: a box too wide for one number per voxel gives the same") {
   PointSet set;
   set.points = random_points(500, Vec3(0, 0, 0), 5, 2);
   for (const double far : {1e9, -1e9}) set.points.emplace_back(far, -far, far);
-  const std::vector<Vec3> expected = by_definition(set.points, 1e-3);
+  const std::vector<Vec3> expected = thinned_by_definition(set.points, 1e-3);
   const std::vector<Vec3> before = set.points;
   Context context;
   thin(set, {.voxel = 1e-3}, context);
@@ -70,7 +70,7 @@ TEST_CASE("thin: a box too wide for one number per voxel gives the same") {
   // The same with points to thin.
   set.points = before;
   for (std::size_t i = 0; i < 500; ++i) set.points.push_back(before[i] + Vec3(1e-7, 0, 0));
-  const std::vector<Vec3> thinned = by_definition(set.points, 1e-3);
+  const std::vector<Vec3> thinned = thinned_by_definition(set.points, 1e-3);
   thin(set, {.voxel = 1e-3}, context);
   CHECK(set.points == thinned);
 }

@@ -45,7 +45,7 @@ bool above(const std::array<Vec3, 3>& t, const Vec3& x) {
   return true;
 }
 
-double distance(const std::array<Vec3, 3>& t, const Vec3& x) {
+double triangle_distance(const std::array<Vec3, 3>& t, const Vec3& x) {
   const Vec3 normal = ((t[1] - t[0]) % (t[2] - t[0])).normalize();
   if (above(t, x)) return std::abs((x - t[0]) | normal);
   return std::min({to_segment(t[0], t[1], x), to_segment(t[1], t[2], x), to_segment(t[2], t[0], x)});
@@ -72,7 +72,7 @@ TEST_CASE("TriangleTree: answers as asking every triangle does") {
     for (const Triangle& t : scene.triangles) {
       const std::array<Vec3, 3> corners = {scene.points[t[0]], scene.points[t[1]], scene.points[t[2]]};
       hit = hit || ray_hits(corners, origin, direction);
-      nearer = nearer || distance(corners, origin) < radius;
+      nearer = nearer || triangle_distance(corners, origin) < radius;
     }
     CHECK(tree.hit(origin, direction) == hit);
     CHECK(tree.nearer_than(origin, radius) == nearer);

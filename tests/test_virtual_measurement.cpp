@@ -42,7 +42,7 @@ gp_Pnt to_pnt(const Vec3& p) {
   return {p[0], p[1], p[2]};
 }
 
-VirtualMeasurement measured(const Shape& shape, const MeasurementOptions& options) {
+VirtualMeasurement measured_shape(const Shape& shape, const MeasurementOptions& options) {
   Context context;
   return measure(shape, options, context);
 }
@@ -60,11 +60,11 @@ std::vector<TopoDS_Face> faces_of(const Shape& shape) {
   return faces;
 }
 
-double distance(const TopoDS_Shape& shape, const Vec3& point) {
+double shape_distance(const TopoDS_Shape& shape, const Vec3& point) {
   return BRepExtrema_DistShapeShape(BRepBuilderAPI_MakeVertex(to_pnt(point)).Vertex(), shape).Value();
 }
 
-double area(const TopoDS_Face& face) {
+double face_area(const TopoDS_Face& face) {
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(face, properties, 1e-6);
   return properties.Mass();
@@ -97,7 +97,7 @@ TEST_CASE("measure: makes exactly as many points as asked for, and says their tr
         CAPTURE(part.name);
         CAPTURE(int(pattern));
         const VirtualMeasurement m =
-            measured(shape, {.points = points, .pattern = pattern, .outliers = 0.1, .shuffle = true});
+            measured_shape(shape, {.points = points, .pattern = pattern, .outliers = 0.1, .shuffle = true});
         CHECK(m.points.size() == points);
         CHECK(m.truth.size() == points);
         CHECK(m.unusable_faces.empty());
@@ -115,7 +115,7 @@ TEST_CASE(
     for (const SamplingPattern pattern : all_patterns) {
       CAPTURE(part.name);
       CAPTURE(int(pattern));
-      const VirtualMeasurement m = measured(shape, {.points = 60, .pattern = pattern});
+      const VirtualMeasurement m = measured_shape(shape, {.points = 60, .pattern = pattern});
       for (std::size_t i = 0; i < m.points.size(); ++i) {
         const TruePoint& t = m.truth[i];
         CHECK(m.points[i] == t.point);
@@ -127,7 +127,7 @@ TEST_CASE(
         CHECK(std::abs(normal.Magnitude() - 1) < 1e-12);
         CHECK(std::abs(normal.Dot(du)) < 1e-9 * du.Magnitude());
         CHECK(std::abs(normal.Dot(dv)) < 1e-9 * dv.Magnitude());
-        CHECK(distance(faces[t.face - 1], t.point) < 1e-6);
+        CHECK(shape_distance(faces[t.face - 1], t.point) < 1e-6);
       }
     }
   }
@@ -136,7 +136,7 @@ TEST_CASE(
 TEST_CASE("measure: points go up to round rims and not beyond") {
   // The base of the bracket has two holes of 3.25 mm radius; rings just outside them hold their share of the points.
   constexpr double hole = 3.25, ring = 0.02;
-  const VirtualMeasurement m = measured(example_part("bracket"), {.points = 300000});
+  const VirtualMeasurement m = measured_shape(example_part("bracket"), {.points = 300000});
   double in_ring = 0, on_base = 0;
   for (const TruePoint& t : m.truth) {
     if (std::abs(t.normal[2]) < 0.999 || t.point[2] > 1.5) continue;
@@ -152,24 +152,24 @@ TEST_CASE("measure: points go up to round rims and not beyond") {
   CHECK(std::abs(in_ring - expected) < 5 * std::sqrt(expected));
 }
 
-TEST_CASE("measure: random points are uniform over the area, between faces and within a face") {
+TEST_CASE("measure: random points are uniform over the face_area, between faces and within a face") {
   for (const char* name : {"boot-lid", "blade", "bracket", "fillet-block"}) {
     CAPTURE(name);
     const Shape shape = std::string(name) == "boot-lid" ? lid() : example_part(name);
     constexpr double n = 200000;
     std::vector<double> expected, counts;
     double total = 0;
-    for (const TopoDS_Face& face : faces_of(shape)) total += expected.emplace_back(area(face));
+    for (const TopoDS_Face& face : faces_of(shape)) total += expected.emplace_back(face_area(face));
     for (double& e : expected) e *= n / total;
     counts.resize(expected.size());
-    for (const TruePoint& t : measured(shape, {.points = std::uint64_t(n)}).truth) ++counts[t.face - 1];
+    for (const TruePoint& t : measured_shape(shape, {.points = std::uint64_t(n)}).truth) ++counts[t.face - 1];
     CHECK(excess(counts, expected) < 5);
   }
   // On a sphere heights are uniform [Archimedes]; the cap reaches from half the radius to the pole.
   constexpr int bands = 25;
   constexpr double n = 100000;
   std::vector<double> counts(bands);
-  for (const TruePoint& t : measured(example_part("sphere-cap"), {.points = std::uint64_t(n)}).truth) {
+  for (const TruePoint& t : measured_shape(example_part("sphere-cap"), {.points = std::uint64_t(n)}).truth) {
     ++counts.at(std::min(bands - 1, int((t.point[2] - 25) / 25 * bands)));
   }
   CHECK(excess(counts, std::vector<double>(bands, n / bands)) < 5);
@@ -181,7 +181,7 @@ TEST_CASE("measure: closed faces, poles, an apex and a seam are sampled evenly")
   const auto check_uniform = [&](const TopoDS_Shape& shape, const auto& share) {
     std::vector<double> counts(bands);
     double on_face = 0;
-    for (const TruePoint& t : measured(make_shape(shape), {.points = std::uint64_t(n)}).truth) {
+    for (const TruePoint& t : measured_shape(make_shape(shape), {.points = std::uint64_t(n)}).truth) {
       const double x = share(t);
       if (x < 0) continue;
       ++on_face;
@@ -215,7 +215,7 @@ TEST_CASE("measure: a window across the seam of a cylinder stays empty, in every
   for (const SamplingPattern pattern : all_patterns) {
     CAPTURE(int(pattern));
     int around = 0;
-    for (const TruePoint& t : measured(shape, {.points = 30000, .pattern = pattern}).truth) {
+    for (const TruePoint& t : measured_shape(shape, {.points = 30000, .pattern = pattern}).truth) {
       if (std::abs(std::hypot(t.point[0], t.point[1]) - 10) > 1e-9 || t.point[0] < 0) continue;
       const double r = std::hypot(t.point[1], t.point[2] - 20);
       CHECK_UNARY(r > 3 - 1e-6);
@@ -227,10 +227,10 @@ TEST_CASE("measure: a window across the seam of a cylinder stays empty, in every
 
 TEST_CASE("measure: all points may be outliers, and noise comes with every pattern") {
   const Shape shape = example_part("bracket");
-  const VirtualMeasurement far = measured(shape, {.points = 200, .noise = 0.1, .outliers = 1});
+  const VirtualMeasurement far = measured_shape(shape, {.points = 200, .noise = 0.1, .outliers = 1});
   for (const TruePoint& t : far.truth) CHECK_UNARY(t.outlier);
   for (const SamplingPattern pattern : all_patterns) {
-    const VirtualMeasurement m = measured(shape, {.points = 2000, .pattern = pattern, .noise = 0.1});
+    const VirtualMeasurement m = measured_shape(shape, {.points = 2000, .pattern = pattern, .noise = 0.1});
     double variance = 0;
     for (std::size_t i = 0; i < m.points.size(); ++i) variance += (m.points[i] - m.truth[i].point).sqrnorm() / 2000;
     CHECK(std::abs(variance / 0.01 - 1) < 5 * std::sqrt(2.0 / 2000));
@@ -239,12 +239,12 @@ TEST_CASE("measure: all points may be outliers, and noise comes with every patte
 
 TEST_CASE("measure: a drop-out of no radius leaves nothing out") {
   const Shape shape = example_part("elbow");
-  CHECK(measured(shape, {.points = 500, .drop_outs = 3}).points == measured(shape, {.points = 500}).points);
+  CHECK(measured_shape(shape, {.points = 500, .drop_outs = 3}).points == measured_shape(shape, {.points = 500}).points);
 }
 
 TEST_CASE("measure: normals of a solid point outward") {
   const Shape shape = example_part("housing");
-  const VirtualMeasurement m = measured(shape, {.points = 200});
+  const VirtualMeasurement m = measured_shape(shape, {.points = 200});
   BRepClass3d_SolidClassifier where(occt(shape));
   for (const TruePoint& t : m.truth) {
     where.Perform(to_pnt(t.point + t.normal * 0.01), 1e-6);
@@ -256,7 +256,7 @@ TEST_CASE("measure: normals of a solid point outward") {
 
 TEST_CASE("measure: noise is Gaussian along the normal with the deviation asked for") {
   constexpr double sigma = 0.05, n = 50000;
-  const VirtualMeasurement m = measured(lid(), {.points = std::uint64_t(n), .noise = sigma});
+  const VirtualMeasurement m = measured_shape(lid(), {.points = std::uint64_t(n), .noise = sigma});
   double mean = 0, variance = 0, beyond = 0;
   for (std::size_t i = 0; i < m.points.size(); ++i) {
     const Vec3 d = m.points[i] - m.truth[i].point;
@@ -274,7 +274,7 @@ TEST_CASE("measure: noise is Gaussian along the normal with the deviation asked 
 
 TEST_CASE("measure: the share of outliers is exact; they are 1% to 10% of the diagonal away, the others untouched") {
   const Shape shape = example_part("housing");
-  const VirtualMeasurement m = measured(shape, {.points = 5000, .outliers = 0.012});
+  const VirtualMeasurement m = measured_shape(shape, {.points = 5000, .outliers = 0.012});
   const double diagonal = diagonal_of(m.truth);
   const TopoDS_Shape shell =
       TopExp_Explorer(occt(shape), TopAbs_SHELL).Current();  // of a solid the inside is at distance 0
@@ -288,7 +288,7 @@ TEST_CASE("measure: the share of outliers is exact; they are 1% to 10% of the di
     ++outliers;
     CHECK(moved > 0.0099 * diagonal);
     CHECK(moved < 0.101 * diagonal);
-    CHECK(distance(shell, m.points[i]) > 0.0099 * diagonal);
+    CHECK(shape_distance(shell, m.points[i]) > 0.0099 * diagonal);
   }
   CHECK(outliers == 60);
 }
@@ -298,7 +298,7 @@ TEST_CASE("measure: no true point lies in a drop-out, and the number of points i
     CAPTURE(int(pattern));
     MeasurementOptions options{.points = 4000, .pattern = pattern, .drop_out_radius = 45, .drop_outs = 3};
     options.drop_out_centres = {{100, 250, 20}};
-    const VirtualMeasurement m = measured(lid(), options);
+    const VirtualMeasurement m = measured_shape(lid(), options);
     CHECK(m.points.size() == 4000);
     REQUIRE(m.drop_out_centres.size() == 4);
     CHECK(m.drop_out_centres[3] == options.drop_out_centres[0]);
@@ -311,7 +311,7 @@ TEST_CASE("measure: no true point lies in a drop-out, and the number of points i
       }
     }
     for (int k = 0; k < 4; ++k) CHECK(around[k] > 10);
-    for (int k = 0; k < 3; ++k) CHECK(distance(occt(lid()), m.drop_out_centres[k]) < 1e-6);
+    for (int k = 0; k < 3; ++k) CHECK(shape_distance(occt(lid()), m.drop_out_centres[k]) < 1e-6);
   }
 }
 
@@ -352,7 +352,7 @@ TEST_CASE("measure: a view shows what faces it and nothing hidden") {
   for (const SamplingPattern pattern : all_patterns) {
     CAPTURE(int(pattern));
     const Vec3 view = Vec3(0.4, -0.5, 1).normalize();
-    const VirtualMeasurement m = measured(shape, {.points = 300, .pattern = pattern, .views = {view * 3.0}});
+    const VirtualMeasurement m = measured_shape(shape, {.points = 300, .pattern = pattern, .views = {view * 3.0}});
     CHECK(m.points.size() == 300);
     for (const TruePoint& t : m.truth) {
       CHECK((t.normal | view) >= std::cos(75 * std::numbers::pi / 180) - 1e-12);
@@ -361,7 +361,7 @@ TEST_CASE("measure: a view shows what faces it and nothing hidden") {
       CHECK(rays.NbPnt() == 0);
     }
   }
-  const VirtualMeasurement above = measured(shape, {.points = 5000, .views = {{0, 0, 1}}});
+  const VirtualMeasurement above = measured_shape(shape, {.points = 5000, .views = {{0, 0, 1}}});
   for (const TruePoint& t : above.truth)
     CHECK_UNARY(t.point[2] > 4.99 || t.point[1] < 0);  // the outside below the floor is hidden
 }
@@ -369,7 +369,7 @@ TEST_CASE("measure: a view shows what faces it and nothing hidden") {
 TEST_CASE("measure: scan lines are evenly spaced along and between lines") {
   for (const double ratio : {5.0, 20.0}) {
     const VirtualMeasurement m =
-        measured(example_part("elbow"), {.points = 20000, .pattern = SamplingPattern::scan, .line_ratio = ratio});
+        measured_shape(example_part("elbow"), {.points = 20000, .pattern = SamplingPattern::scan, .line_ratio = ratio});
     CHECK(m.line_spacing / m.spacing == doctest::Approx(ratio).epsilon(0.05));
     int even = 0;
     for (std::size_t i = 1; i < m.truth.size(); ++i) {
@@ -387,7 +387,7 @@ TEST_CASE("measure: scan lines are evenly spaced along and between lines") {
 }
 
 TEST_CASE("measure: a grid is regular in the parameters of each face") {
-  const VirtualMeasurement m = measured(example_part("elbow"), {.points = 5000, .pattern = SamplingPattern::grid});
+  const VirtualMeasurement m = measured_shape(example_part("elbow"), {.points = 5000, .pattern = SamplingPattern::grid});
   std::map<int, std::set<std::pair<double, double>>> places;
   for (const TruePoint& t : m.truth) places[t.face].insert({t.uv[0], t.uv[1]});
   CHECK(places.size() == 5);
@@ -407,7 +407,7 @@ TEST_CASE("measure: a grid is regular in the parameters of each face") {
 }
 
 TEST_CASE("measure: the pose beside a moved measurement takes it back to the model") {
-  const VirtualMeasurement m = measured(example_part("blade"), {.points = 500, .move = true});
+  const VirtualMeasurement m = measured_shape(example_part("blade"), {.points = 500, .move = true});
   const auto& t = m.to_model;
   double moved = 0;
   for (std::size_t i = 0; i < m.points.size(); ++i) {
@@ -424,7 +424,7 @@ TEST_CASE("measure: the pose beside a moved measurement takes it back to the mod
   CHECK(t[3] == std::array<double, 4>{0, 0, 0, 1});
 }
 
-TEST_CASE("measure: faces placed by a location or turned inside out are measured where they are") {
+TEST_CASE("measure: faces placed by a location or turned inside out are measured_shape where they are") {
   gp_Trsf motion;
   motion.SetRotation(gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(1, 1, 0)), 0.7);
   motion.SetTranslationPart(gp_Vec(300, 0, -50));
@@ -435,14 +435,14 @@ TEST_CASE("measure: faces placed by a location or turned inside out are measured
   builder.Add(both, occt(elbow));
   builder.Add(both, occt(elbow).Moved(TopLoc_Location(motion)).Reversed());
   const Shape shape = make_shape(both);
-  const VirtualMeasurement m = measured(shape, {.points = 400});
-  const VirtualMeasurement alone = measured(elbow, {.points = 1});
+  const VirtualMeasurement m = measured_shape(shape, {.points = 400});
+  const VirtualMeasurement alone = measured_shape(elbow, {.points = 1});
   const std::vector<TopoDS_Face> faces = faces_of(shape);
   REQUIRE(faces.size() == 10);
   int moved = 0;
   const gp_Trsf inverse = motion.Inverted();
   for (const TruePoint& t : m.truth) {
-    CHECK(distance(faces[t.face - 1], t.point) < 1e-6);
+    CHECK(shape_distance(faces[t.face - 1], t.point) < 1e-6);
     // Beyond the ends of the first straight the pipe's axis is y = 0, z = 0: the outside is away from it.
     if (t.face == 1) CHECK(std::hypot(t.point[1] + t.normal[1], t.point[2] + t.normal[2]) > 25.5);
     if (t.face == 6) {
@@ -456,7 +456,7 @@ TEST_CASE("measure: faces placed by a location or turned inside out are measured
 
 TEST_CASE("measure: the shape given stays without a tessellation") {
   const Shape shape = example_part("elbow");
-  measured(shape, {.points = 100, .outliers = 0.1});
+  measured_shape(shape, {.points = 100, .outliers = 0.1});
   TopLoc_Location location;
   for (const TopoDS_Face& face : faces_of(shape)) CHECK(BRep_Tool::Triangulation(face, location).IsNull());
 }
@@ -464,7 +464,7 @@ TEST_CASE("measure: the shape given stays without a tessellation") {
 TEST_CASE("measure: options out of range, an empty model and nothing to measure are errors") {
   const Shape shape = example_part("elbow");
   const auto refuses = [&](const MeasurementOptions& options) {
-    CHECK_THROWS_AS(measured(shape, options), InvalidInput);
+    CHECK_THROWS_AS(measured_shape(shape, options), InvalidInput);
   };
   refuses({.points = 0});
   refuses({.line_ratio = 0.5});
@@ -478,7 +478,7 @@ TEST_CASE("measure: options out of range, an empty model and nothing to measure 
   for (const SamplingPattern pattern : all_patterns) {
     refuses({.pattern = pattern, .drop_out_radius = 1e4, .drop_out_centres = {{0, 0, 0}}});
   }
-  CHECK_THROWS_AS(measured(Shape(), {}), CadError);
+  CHECK_THROWS_AS(measured_shape(Shape(), {}), CadError);
   CHECK_THROWS_AS(sampling_pattern("spiral"), InvalidInput);
   CHECK(sampling_pattern("scan") == SamplingPattern::scan);
 }

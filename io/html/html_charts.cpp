@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "io/html/html_text.hpp"
+#include "meshops/limits.hpp"
 
 namespace tri {
 namespace {
@@ -28,12 +29,15 @@ std::vector<double> ticks(double low, double high, int wanted) {
 // Texts of round numbers, with as few decimals as tell them apart; with an exponent where that would be many.
 std::vector<std::string> tick_texts(const std::vector<double>& values) {
   constexpr int most_decimals = 6;
+  double apart = infinity;
+  for (const double a : values)
+    for (const double b : values)
+      if (a < b) apart = std::min(apart, b - a);
   std::vector<std::string> texts;
   for (int decimals = 0; decimals <= most_decimals; ++decimals) {
     const double power = std::pow(10.0, decimals);
-    if (!std::all_of(values.begin(), values.end(), [&](double v) {
-          return std::abs(v * power - std::round(v * power)) < 1e-6 * std::max(1.0, std::abs(v * power));
-        }))
+    if (!std::all_of(values.begin(), values.end(),
+                     [&](double v) { return std::abs(v - std::round(v * power) / power) < 1e-3 * apart; }))
       continue;
     for (const double v : values) texts.push_back(signed_text(v, decimals));
     return texts;

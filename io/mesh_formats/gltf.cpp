@@ -14,7 +14,7 @@
 namespace tri::io_detail {
 namespace {
 
-using Json = GltfDocument::Json;
+using GltfJson = GltfDocument::Json;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double millimetres = 1000;  // in the metre of glTF
@@ -42,12 +42,12 @@ class SceneReader {
   using VertexKey = std::pair<std::string, std::array<double, 12>>;
 
   std::vector<std::uint64_t> roots() {
-    const Json& root = document_.root();
-    const Json &scenes = document_.list(root, "scenes", "the file"), &nodes = document_.list(root, "nodes", "the file");
+    const GltfJson& root = document_.root();
+    const GltfJson &scenes = document_.list(root, "scenes", "the file"), &nodes = document_.list(root, "nodes", "the file");
     std::vector<std::uint64_t> result;
     if (!scenes.empty()) {
       const std::uint64_t number = document_.integer(root, "scene", "the file", 0);
-      const Json& scene = document_.element("scenes", number, "scene");
+      const GltfJson& scene = document_.element("scenes", number, "scene");
       if (scenes.size() > 1) note(fmt::format("of {} scenes, only number {} was taken", scenes.size(), number));
       return indices(scene, "nodes", fmt::format("scenes[{}]", number));
     }
@@ -61,9 +61,9 @@ class SceneReader {
     return result;
   }
 
-  std::vector<std::uint64_t> indices(const Json& object, const char* name, const std::string& where) {
+  std::vector<std::uint64_t> indices(const GltfJson& object, const char* name, const std::string& where) {
     std::vector<std::uint64_t> result;
-    for (const Json& value : document_.list(object, name, where)) {
+    for (const GltfJson& value : document_.list(object, name, where)) {
       if (!value.is_number_unsigned()) document_.fail(where + "." + name, "holds what is no index");
       result.push_back(value.get<std::uint64_t>());
     }
@@ -76,7 +76,7 @@ class SceneReader {
       context_.checkpoint();
       const auto [number, parent] = stack.back();
       stack.pop_back();
-      const Json& node = document_.element("nodes", number, "the node tree");
+      const GltfJson& node = document_.element("nodes", number, "the node tree");
       const std::string where = fmt::format("nodes[{}]", number);
       if (!visited_.insert(number).second) document_.fail(where, "is reached twice: the nodes are no tree");
       const Placement placement = parent * local(node, where);
@@ -88,7 +88,7 @@ class SceneReader {
     }
   }
 
-  Placement local(const Json& node, const std::string& where) {
+  Placement local(const GltfJson& node, const std::string& where) {
     Placement placement;
     if (const auto m = document_.numbers(node, "matrix", 16, where); !m.empty()) {
       if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) document_.fail(where + ".matrix", "is not affine");
@@ -113,14 +113,14 @@ class SceneReader {
     return placement;
   }
 
-  void mesh(std::uint64_t number, const Json& node, const Placement& placement, const std::string& from) {
-    const Json& mesh = document_.element("meshes", number, from + ".mesh");
+  void mesh(std::uint64_t number, const GltfJson& node, const Placement& placement, const std::string& from) {
+    const GltfJson& mesh = document_.element("meshes", number, from + ".mesh");
     const std::string where = fmt::format("meshes[{}]", number);
     std::string name = GltfDocument::text(node, "name");
     if (name.empty()) name = GltfDocument::text(mesh, "name");
     named_ = named_ || !name.empty();
     if (mesh.contains("weights")) ++left_["morph weights"];
-    const Json& primitives = document_.list(mesh, "primitives", where);
+    const GltfJson& primitives = document_.list(mesh, "primitives", where);
     const std::size_t before = soup_.triangles.size();
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const std::string place = fmt::format("{}.primitives[{}]", where, i);
@@ -131,7 +131,7 @@ class SceneReader {
       objects_.fill(soup_.triangles.size(), objects_.own_label(name.empty() ? fmt::format("mesh {}", number) : name));
   }
 
-  void primitive(const Json& primitive, const Placement& placement, const std::string& where) {
+  void primitive(const GltfJson& primitive, const Placement& placement, const std::string& where) {
     const std::uint64_t mode = document_.integer(primitive, "mode", where, 4);
     if (mode > 6) document_.fail(where + ".mode", fmt::format("{} is unknown", mode));
     if (mode < 4) {
@@ -189,9 +189,9 @@ class SceneReader {
   }
 
   /// The vertices of a primitive, which may be those of an earlier one. @return the first, and how many
-  std::pair<std::uint32_t, std::uint32_t> vertices(const Json& attributes, const Placement& placement,
+  std::pair<std::uint32_t, std::uint32_t> vertices(const GltfJson& attributes, const Placement& placement,
                                                    const std::string& where) {
-    VertexKey key{attributes.dump(-1, ' ', false, Json::error_handler_t::replace), {}};
+    VertexKey key{attributes.dump(-1, ' ', false, GltfJson::error_handler_t::replace), {}};
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t k = 0; k < 3; ++k) key.second[3 * i + k] = placement.rows[i][k];
       key.second[9 + i] = placement.offset[i];
@@ -245,14 +245,14 @@ class SceneReader {
            std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c < 127; });
   }
 
-  bool is_scalar(const Json& index) {
+  bool is_scalar(const GltfJson& index) {
     if (!index.is_number_unsigned()) return false;
-    const Json& accessors = document_.list(document_.root(), "accessors", "the file");
+    const GltfJson& accessors = document_.list(document_.root(), "accessors", "the file");
     const auto i = index.get<std::uint64_t>();
     return i < accessors.size() && GltfDocument::text(accessors[i], "type") == "SCALAR";
   }
 
-  GltfValues attribute(const Json& attributes, const char* name, std::size_t least, std::size_t most, std::size_t count,
+  GltfValues attribute(const GltfJson& attributes, const char* name, std::size_t least, std::size_t most, std::size_t count,
                        const std::string& where) {
     const std::string place = where + ".attributes." + std::string(name).substr(0, 40);
     GltfValues values =
@@ -304,9 +304,9 @@ class SceneReader {
     if (colors_rounded_ > 0) note(fmt::format("{} colour values were rounded to 8 bits", colors_rounded_));
     if (transparent_ > 0) note(fmt::format("the transparency of {} vertices is not kept", transparent_));
     for (const char* name : {"images", "textures", "animations"})
-      if (const Json& all = document_.list(document_.root(), name, "the file"); !all.empty()) left_[name] += all.size();
+      if (const GltfJson& all = document_.list(document_.root(), name, "the file"); !all.empty()) left_[name] += all.size();
     std::uint64_t looks = 0;
-    for (const Json& material : document_.list(document_.root(), "materials", "the file"))
+    for (const GltfJson& material : document_.list(document_.root(), "materials", "the file"))
       looks += material.is_object() && (material.size() > material.contains("name"));
     if (looks > 0) note(fmt::format("of {} materials only the names are kept", looks));
     std::string list;

@@ -43,7 +43,7 @@ std::size_t size_of_component(std::uint64_t type) {
 }
 
 template <class Value>
-double value_at(const char* at) {
+double component_value(const char* at) {
   Value value;
   std::memcpy(&value, at, sizeof value);
   return static_cast<double>(value);
@@ -52,17 +52,17 @@ double value_at(const char* at) {
 double component(const char* at, std::uint64_t type, bool normalized) {
   switch (type) {
     case 5120:
-      return normalized ? std::max(value_at<std::int8_t>(at) / 127, -1.0) : value_at<std::int8_t>(at);
+      return normalized ? std::max(component_value<std::int8_t>(at) / 127, -1.0) : component_value<std::int8_t>(at);
     case 5121:
-      return value_at<std::uint8_t>(at) / (normalized ? 255 : 1);
+      return component_value<std::uint8_t>(at) / (normalized ? 255 : 1);
     case 5122:
-      return normalized ? std::max(value_at<std::int16_t>(at) / 32767, -1.0) : value_at<std::int16_t>(at);
+      return normalized ? std::max(component_value<std::int16_t>(at) / 32767, -1.0) : component_value<std::int16_t>(at);
     case 5123:
-      return value_at<std::uint16_t>(at) / (normalized ? 65535 : 1);
+      return component_value<std::uint16_t>(at) / (normalized ? 65535 : 1);
     case 5125:
-      return value_at<std::uint32_t>(at);
+      return component_value<std::uint32_t>(at);
     default:
-      return value_at<float>(at);
+      return component_value<float>(at);
   }
 }
 

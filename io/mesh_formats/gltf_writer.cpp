@@ -223,7 +223,7 @@ class GltfWriter {
   std::string rounded_;
 };
 
-std::string text_of(const Json& json) {
+std::string compact_text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -241,10 +241,10 @@ void write_gltf(AtomicFile& file, const Soup& soup, bool binary, Context& contex
   std::string& bytes = writer.bytes;
   if (!binary) {
     if (!bytes.empty()) json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + to_base64(bytes);
-    file.write(text_of(json));
+    file.write(compact_text(json));
     return;
   }
-  std::string text = text_of(json);
+  std::string text = compact_text(json);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
   const std::size_t size = 12 + 8 + text.size() + (bytes.empty() ? 0 : 8 + bytes.size());

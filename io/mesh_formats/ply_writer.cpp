@@ -206,7 +206,7 @@ void write_records(AtomicFile& file, std::size_t count, std::size_t size, Put pu
   }
 }
 
-void write_binary(AtomicFile& file, const Soup& soup, const std::vector<Column>& vertex_columns,
+void write_binary_ply(AtomicFile& file, const Soup& soup, const std::vector<Column>& vertex_columns,
                   const std::vector<Column>& face_columns, Context& context) {
   Progress progress(soup, context);
   const std::size_t vertex_size = 24 + (soup.vertex_normals.empty() ? 0 : 24) + size_of(vertex_columns) +
@@ -257,7 +257,7 @@ void write_ply(AtomicFile& file, const Soup& soup, bool ascii, Context& context)
   if (ascii)
     write_text(file, soup, vertex_columns, face_columns, context);
   else
-    write_binary(file, soup, vertex_columns, face_columns, context);
+    write_binary_ply(file, soup, vertex_columns, face_columns, context);
 }
 
 }  // namespace tri::io_detail

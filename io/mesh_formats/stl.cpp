@@ -21,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little endian");
 
-constexpr std::size_t header_size = 84;
+constexpr std::size_t stl_header_size = 84;
 constexpr std::size_t facet_size = 50;
 
 std::uint64_t binary_facets(std::string_view bytes) {
@@ -77,17 +77,17 @@ class ExactWelder {
 
 Soup parse_binary(std::string_view bytes, const std::string& file, Context& context, MeshFileInfo& info) {
   info.encoding = MeshEncoding::binary_little_endian;
-  if (bytes.size() < header_size)
+  if (bytes.size() < stl_header_size)
     throw IoError(
         file, fmt::format("is neither an ASCII STL nor as long as the header of a binary one: {} bytes", bytes.size()));
   const std::uint64_t facets = binary_facets(bytes);
-  const std::uint64_t wanted = header_size + facets * facet_size;
+  const std::uint64_t wanted = stl_header_size + facets * facet_size;
   if (wanted > bytes.size())
     throw IoError(file,
                   fmt::format("truncated or not an STL file: {} facets in the header need {} bytes", facets, wanted),
                   IoError::Unit::byte, bytes.size());
-  if (facets == 0 && bytes.size() > header_size)
-    throw IoError(file, fmt::format("the header says 0 facets, but {} bytes follow", bytes.size() - header_size),
+  if (facets == 0 && bytes.size() > stl_header_size)
+    throw IoError(file, fmt::format("the header says 0 facets, but {} bytes follow", bytes.size() - stl_header_size),
                   IoError::Unit::byte, 80);
 
   Soup soup;
@@ -99,7 +99,7 @@ Soup parse_binary(std::string_view bytes, const std::string& file, Context& cont
       context.checkpoint();
       context.progress("read", static_cast<double>(i) / static_cast<double>(facets));
     }
-    const std::size_t at = header_size + i * facet_size;
+    const std::size_t at = stl_header_size + i * facet_size;
     std::array<float, 9> xyz;
     std::memcpy(xyz.data(), bytes.data() + at + 12, sizeof xyz);
     Triangle triangle;
@@ -225,7 +225,7 @@ Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   return normal / std::sqrt(normal | normal);
 }
 
-void write_binary(AtomicFile& file, const Soup& soup, Context& context, MeshWriteReport& report) {
+void write_binary_stl(AtomicFile& file, const Soup& soup, Context& context, MeshWriteReport& report) {
   if (soup.triangles.size() > std::numeric_limits<std::uint32_t>::max())
     throw InvalidInput("a binary STL file counts its facets in 32 bits");
   note_rounding_to_floats(soup, "binary STL", report);
@@ -282,7 +282,7 @@ bool is_stl_attribute(const std::vector<double>& values) {
 }
 
 bool has_binary_stl_size(std::string_view bytes) {
-  return bytes.size() > header_size && bytes.size() == header_size + binary_facets(bytes) * facet_size;
+  return bytes.size() > stl_header_size && bytes.size() == stl_header_size + binary_facets(bytes) * facet_size;
 }
 
 Soup parse_stl(std::string_view bytes, const std::string& file, Context& context, MeshFileInfo& info) {
@@ -295,7 +295,7 @@ void write_stl(AtomicFile& file, const Soup& soup, bool ascii, Context& context,
   if (ascii)
     write_ascii(file, soup, context);
   else
-    write_binary(file, soup, context, report);
+    write_binary_stl(file, soup, context, report);
 }
 
 }  // namespace tri::io_detail

@@ -35,7 +35,7 @@ void for_each_index(std::size_t count, const Body& body) {
   });
 }
 
-void check(const RenderOptions& options) {
+void check_options(const RenderOptions& options) {
   const auto in_range = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw InvalidInput(std::string(name) + " is " + std::to_string(value) + "; allowed are " + std::to_string(low) + " to " +
@@ -366,7 +366,7 @@ const char* name_of(Palette palette) {
 }
 
 Rendering render(const Soup& soup, const RenderOptions& options, Context& context) {
-  check(options);
+  check_options(options);
   tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
   return arena.execute([&] { return draw(soup, options, context); });
 }

@@ -18,7 +18,7 @@ constexpr std::size_t header_size = 48;
 constexpr std::uint64_t checksum_size = 4;
 
 template <class Value>
-Value value_at(std::string_view bytes, std::size_t offset) {
+Value header_value(std::string_view bytes, std::size_t offset) {
   Value value;
   std::memcpy(&value, bytes.data() + offset, sizeof value);
   return value;
@@ -28,10 +28,10 @@ Value value_at(std::string_view bytes, std::size_t offset) {
 
 E57Pages::E57Pages(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {
   if (bytes.size() < header_size) fail(fmt::format("truncated: {} bytes are no header of E57", bytes.size()), 0);
-  const auto major = value_at<std::uint32_t>(bytes, 8), minor = value_at<std::uint32_t>(bytes, 12);
+  const auto major = header_value<std::uint32_t>(bytes, 8), minor = header_value<std::uint32_t>(bytes, 12);
   if (major != 1) fail(fmt::format("E57 version {}.{} is not read, only 1", major, minor), 8);
-  const auto length = value_at<std::uint64_t>(bytes, 16);
-  page_size_ = value_at<std::uint64_t>(bytes, 40);
+  const auto length = header_value<std::uint64_t>(bytes, 16);
+  page_size_ = header_value<std::uint64_t>(bytes, 40);
   // The standard has 1024; any power of two is as good.
   if (page_size_ < 64 || page_size_ > (std::uint64_t{1} << 30) || !std::has_single_bit(page_size_))
     fail(fmt::format("pages of {} bytes are not possible", page_size_), 40);
@@ -44,8 +44,8 @@ E57Pages::E57Pages(std::string_view bytes, const std::string& file) : bytes_(byt
   bytes_ = bytes.substr(0, length);
   verified_.resize(length / page_size_, false);
   verify(0);
-  xml_offset_ = value_at<std::uint64_t>(bytes, 24);
-  xml_size_ = value_at<std::uint64_t>(bytes, 32);
+  xml_offset_ = header_value<std::uint64_t>(bytes, 24);
+  xml_size_ = header_value<std::uint64_t>(bytes, 32);
   if (xml_offset_ >= length || xml_size_ == 0 || xml_size_ > remaining(xml_offset_))
     fail(fmt::format("an XML section of {} bytes at byte {} is not within the file", xml_size_, xml_offset_), 24);
 }

@@ -13,7 +13,7 @@ constexpr std::size_t section_header_size = 32;
 constexpr std::size_t smallest_packet = 4;
 
 template <class Value>
-Value value_at(const char* bytes) {
+Value record_value(const char* bytes) {
   Value value;
   std::memcpy(&value, bytes, sizeof value);
   return value;
@@ -23,7 +23,7 @@ Value value_at(const char* bytes) {
 std::uint64_t bits_at(const char* bytes, std::uint64_t first, unsigned bits) {
   const char* p = bytes + first / 8;
   const unsigned shift = static_cast<unsigned>(first % 8);
-  std::uint64_t value = value_at<std::uint64_t>(p) >> shift;
+  std::uint64_t value = record_value<std::uint64_t>(p) >> shift;
   if (shift + bits > 64) value |= std::uint64_t{static_cast<unsigned char>(p[8])} << (64 - shift);
   return bits == 64 ? value : value & ((std::uint64_t{1} << bits) - 1);
 }
@@ -44,8 +44,8 @@ E57Records::E57Records(E57Pages& pages, const E57Scan& scan, std::vector<bool> w
   char header[section_header_size];
   pages.read(scan.section, sizeof header, header, "the header of the points' section");
   if (header[0] != 1) pages.fail(fmt::format("no section of points, but of the kind {}", int(header[0])), scan.section);
-  const auto length = value_at<std::uint64_t>(header + 8);
-  at_ = value_at<std::uint64_t>(header + 16);
+  const auto length = record_value<std::uint64_t>(header + 8);
+  at_ = record_value<std::uint64_t>(header + 16);
   if (length < section_header_size || length > pages.remaining(scan.section))
     pages.fail(fmt::format("truncated or absurd: the points' section is of {} bytes, {} are left", length,
                            pages.remaining(scan.section)),
@@ -90,18 +90,18 @@ void E57Records::read_packet() {
   if (left_ < sizeof head)
     pages_.fail(fmt::format("truncated: the points' section ends after {} of {} records", first_, scan_.records), at_);
   pages_.read(at_, sizeof head, head, "a packet");
-  const std::size_t size = std::size_t{value_at<std::uint16_t>(head + 2)} + 1;
+  const std::size_t size = std::size_t{record_value<std::uint16_t>(head + 2)} + 1;
   if (size % 4 != 0 || size > left_) pages_.fail(fmt::format("a packet of {} bytes, {} are left", size, left_), at_);
   if (head[0] == 1) {
     buffer_.resize(size);
     pages_.read(at_, size, buffer_.data(), "a packet");
     if (size < 6) pages_.fail("a packet is smaller than its header", at_);
-    const std::size_t streams = value_at<std::uint16_t>(buffer_.data() + 4);
+    const std::size_t streams = record_value<std::uint16_t>(buffer_.data() + 4);
     if (streams != columns_.size())
       pages_.fail(fmt::format("a packet of {} bytestreams for {} fields", streams, columns_.size()), at_);
     std::size_t data = 6 + 2 * streams;
     for (std::size_t k = 0; k < streams; ++k) {
-      const std::size_t stream = data > size ? 0 : value_at<std::uint16_t>(buffer_.data() + 6 + 2 * k);
+      const std::size_t stream = data > size ? 0 : record_value<std::uint16_t>(buffer_.data() + 6 + 2 * k);
       if (data > size || stream > size - data) pages_.fail("a packet is smaller than its bytestreams", at_);
       if (columns_[k].wanted) decode(k, buffer_.data() + data, stream);
       data += stream;

@@ -14,7 +14,7 @@ namespace {
 constexpr int deepest_structure = 16;
 constexpr std::size_t most_fields = 1000;
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_blanks(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
   while (!text.empty() && blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && blank(text.back())) text.remove_suffix(1);
@@ -55,10 +55,10 @@ class StructureReader {
     pages_.fail(message, place(node));
   }
 
-  static std::string text_of(const pugi::xml_node& node) { return std::string(trimmed(node.child_value())); }
+  static std::string text_of(const pugi::xml_node& node) { return std::string(without_blanks(node.child_value())); }
 
   double real(const pugi::xml_node& node, std::string_view text, const char* what) const {
-    text = trimmed(text);
+    text = without_blanks(text);
     if (text.empty()) return 0;  // "If the element is empty, the value is 0."
     if (text.front() == '+') text.remove_prefix(1);
     double value = 0;
@@ -70,7 +70,7 @@ class StructureReader {
   double real(const pugi::xml_node& node) const { return node ? real(node, node.child_value(), "the value") : 0; }
 
   std::int64_t integer(const pugi::xml_node& node, std::string_view text, const char* what) const {
-    text = trimmed(text);
+    text = without_blanks(text);
     if (text.empty()) return 0;
     if (text.front() == '+') text.remove_prefix(1);
     std::int64_t value = 0;

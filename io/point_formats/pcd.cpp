@@ -63,7 +63,7 @@ class HeaderParser {
       } else if (keyword == "TYPE") {
         for (Field& field : header.fields) {
           const std::string_view type = scanner_.token();
-          if (type != "F" && type != "I" && type != "U") scanner_.fail(quoted(type) + " is not a type of PCD");
+          if (type != "F" && type != "I" && type != "U") scanner_.fail(io_detail::quoted(type) + " is not a type of PCD");
           field.type = type[0];
         }
       } else if (keyword == "COUNT") {
@@ -82,11 +82,11 @@ class HeaderParser {
       } else if (keyword == "DATA") {
         header.data = scanner_.token();
         if (header.data != "ascii" && header.data != "binary" && header.data != "binary_compressed")
-          scanner_.fail("unknown PCD data " + quoted(header.data), first);
+          scanner_.fail("unknown PCD data " + io_detail::quoted(header.data), first);
       } else {
-        scanner_.fail("unknown keyword " + quoted(keyword) + " in the PCD header", first);
+        scanner_.fail("unknown keyword " + io_detail::quoted(keyword) + " in the PCD header", first);
       }
-      if (!scanner_.at_line_end()) scanner_.fail(quoted(scanner_.token()) + " where the line should end", first);
+      if (!scanner_.at_line_end()) scanner_.fail(io_detail::quoted(scanner_.token()) + " where the line should end", first);
       scanner_.next_line();
     }
     if (has_points && has_width && width * height != header.points)
@@ -117,7 +117,7 @@ class HeaderParser {
   TextScanner scanner_;
 };
 
-double value_at(const char* p, const Field& field) {
+double field_value(const char* p, const Field& field) {
   const auto as = [p](auto value) {
     std::memcpy(&value, p, sizeof value);
     return static_cast<double>(value);
@@ -164,7 +164,7 @@ class PcdParser {
     if (unknown_normals_ > 0)
       info_.notes.push_back(fmt::format("{} points have no normal (NaN): it is given as 0 0 0", unknown_normals_));
     if (!header_.viewpoint.empty() && !is_identity(header_.viewpoint))
-      info_.notes.push_back("the viewpoint " + quoted(header_.viewpoint) + " was not applied");
+      info_.notes.push_back("the viewpoint " + io_detail::quoted(header_.viewpoint) + " was not applied");
     return std::move(set_);
   }
 
@@ -234,7 +234,7 @@ class PcdParser {
 
   /// The value of a used field in binary data. A colour is four bytes, whatever type the header gives them.
   double binary_value(const char* p, std::size_t k) const {
-    if (k != packed_color_ || k == 0) return value_at(p, *used_[k]);
+    if (k != packed_color_ || k == 0) return field_value(p, *used_[k]);
     std::uint32_t packed;
     std::memcpy(&packed, p, 4);
     return packed;
@@ -307,7 +307,7 @@ class PcdParser {
     }
     if (scanner.next_filled_line('#'))
       info_.notes.push_back(
-          fmt::format("what follows the last point was left out, from {}", quoted(scanner.rest_of_line())));
+          fmt::format("what follows the last point was left out, from {}", io_detail::quoted(scanner.rest_of_line())));
   }
 
   // Two 32-bit sizes, then LZF data: all values of the first field, all of the second …

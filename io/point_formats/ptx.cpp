@@ -18,9 +18,9 @@ namespace tri::io_detail {
 namespace {
 
 constexpr std::uint64_t most_cells = 0xFFFFFFFE;
-constexpr std::size_t chunk_size = std::size_t{1} << 20;
+constexpr std::size_t ptx_chunk_size = std::size_t{1} << 20;
 // Between two looks at the context; each has points of its own until they are joined.
-constexpr std::size_t chunks_at_once = 16;
+constexpr std::size_t ptx_chunks_at_once = 16;
 constexpr std::uint64_t shortest_line = 6;  // "0 0 0" and what ends it
 
 struct Scan {
@@ -32,7 +32,7 @@ struct Scan {
   int values = 0;  // of each line: 3, 4 or 7
 };
 
-struct Chunk {
+struct PtxChunk {
   const char* first;
   const char* last;
   PointSet set;
@@ -143,13 +143,13 @@ class PtxParser {
            scan.translation == Vec3(0, 0, 0);
   }
 
-  std::vector<Chunk> chunks_of(const Scan& scan) const {
-    std::vector<Chunk> chunks;
+  std::vector<PtxChunk> chunks_of(const Scan& scan) const {
+    std::vector<PtxChunk> chunks;
     for (const char* p = scan.first; p < scan.last;) {
       const char* next = scan.last;
-      if (static_cast<std::size_t>(scan.last - p) > chunk_size) {
+      if (static_cast<std::size_t>(scan.last - p) > ptx_chunk_size) {
         std::uint64_t line = 1;
-        next = std::min(skip_lines(p + chunk_size, line), scan.last);
+        next = std::min(skip_lines(p + ptx_chunk_size, line), scan.last);
       }
       chunks.push_back({p, next, {}, 0, nullptr});
       p = next;
@@ -162,14 +162,14 @@ class PtxParser {
     const bool posed = !is_identity(scan);
     const std::size_t before = set_.size();
     std::uint64_t skipped = 0;
-    std::vector<Chunk> chunks = chunks_of(scan);
+    std::vector<PtxChunk> chunks = chunks_of(scan);
     const int cores = tbb::info::default_concurrency();
     tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
-    for (std::size_t begin = 0; begin < chunks.size(); begin += chunks_at_once) {
+    for (std::size_t begin = 0; begin < chunks.size(); begin += ptx_chunks_at_once) {
       context.checkpoint();
       context.progress("read",
                        static_cast<double>(chunks[begin].first - bytes_.data()) / static_cast<double>(bytes_.size()));
-      const std::size_t end = std::min(chunks.size(), begin + chunks_at_once);
+      const std::size_t end = std::min(chunks.size(), begin + ptx_chunks_at_once);
       arena.execute([&] { tbb::parallel_for(begin, end, [&](std::size_t i) { parse(chunks[i], scan, posed); }); });
       for (std::size_t i = begin; i < end; ++i) {
         if (chunks[i].error) std::rethrow_exception(chunks[i].error);
@@ -197,7 +197,7 @@ class PtxParser {
     if (!like.colors.empty()) set_.colors.reserve(total);
   }
 
-  void parse(Chunk& chunk, const Scan& scan, bool posed) const {
+  void parse(PtxChunk& chunk, const Scan& scan, bool posed) const {
     // Over all that comes before, so that lines are numbered as in the file.
     TextScanner scanner(bytes_.substr(0, static_cast<std::size_t>(chunk.last - bytes_.data())), file_);
     scanner.move_to(chunk.first);

@@ -28,7 +28,7 @@ constexpr int nudged_motions = 3, nudge_rounds = 3;
 constexpr double nudged_worse = 0.05;  // of the first loss
 constexpr std::size_t most_nudged = 6;
 
-struct Item {
+struct Scored {
   Pose pose;
   bool start;
   int steps = 0;
@@ -64,7 +64,7 @@ class Comparison {
         radius_(radius),
         context_(context) {}
 
-  std::vector<Candidate> run(std::vector<Item> items) {
+  std::vector<Candidate> run(std::vector<Scored> items) {
     refine_first(items);
     refine_second(different(items, items.empty() ? 1 : items.front().loss + clearly_worse, most_candidates));
     compare();
@@ -74,7 +74,7 @@ class Comparison {
       const double loss = first_loss(best, quiet);
       items = beside(candidates_.front());
       refine_first(items);
-      std::erase_if(items, [&](const Item& item) {
+      std::erase_if(items, [&](const Scored& item) {
         return std::any_of(candidates_.begin(), candidates_.end(),
                            [&](const Candidate& c) { return distance(c.pose, item.pose) < same_pose * diagonal(); });
       });
@@ -93,7 +93,7 @@ class Comparison {
   }
 
   // A few steps with few points; best first afterwards.
-  void refine_first(std::vector<Item>& items) const {
+  void refine_first(std::vector<Scored>& items) const {
     for_each_index(items.size(), context_, [&](std::size_t i, Context& quiet) {
       RefineOptions options;
       options.first_kernel = first_kernel * diagonal();
@@ -105,14 +105,14 @@ class Comparison {
       items[i].steps = refined.steps;
       items[i].loss = first_loss(refined.pose, quiet);
     });
-    std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.loss < b.loss; });
+    std::stable_sort(items.begin(), items.end(), [](const Scored& a, const Scored& b) { return a.loss < b.loss; });
   }
 
   // One of each group of equal poses; starts always.
-  std::vector<Item> different(const std::vector<Item>& items, double worst, std::size_t most) const {
-    std::vector<Item> kept;
-    for (const Item& item : items) {
-      const bool same = std::any_of(kept.begin(), kept.end(), [&](const Item& k) {
+  std::vector<Scored> different(const std::vector<Scored>& items, double worst, std::size_t most) const {
+    std::vector<Scored> kept;
+    for (const Scored& item : items) {
+      const bool same = std::any_of(kept.begin(), kept.end(), [&](const Scored& k) {
         return distance(k.pose, item.pose) < same_pose * diagonal() && (k.start || !item.start);
       });
       if (!same && (item.start || (kept.size() < most && item.loss <= worst))) kept.push_back(item);
@@ -121,7 +121,7 @@ class Comparison {
   }
 
   // To convergence; adds them to the candidates.
-  void refine_second(const std::vector<Item>& items) {
+  void refine_second(const std::vector<Scored>& items) {
     const std::size_t known = candidates_.size();
     candidates_.resize(known + items.size());
     for_each_index(items.size(), context_, [&](std::size_t i, Context& quiet) {
@@ -181,13 +181,13 @@ class Comparison {
     }
   }
 
-  std::vector<Item> beside(const Candidate& best) const {
+  std::vector<Scored> beside(const Candidate& best) const {
     std::vector<double> weights;
     for (const PointResidual& r : best.residuals)
       weights.push_back(r.face < 0 || r.opposed ? 0 : tukey_weight(r.value, best.quality.sigma));
     const NormalEquations equations(best.residuals, weights);
     const Eigen::SelfAdjointEigenSolver<Matrix6> solver(equations.matrix);
-    std::vector<Item> items;
+    std::vector<Scored> items;
     for (int k = 0; k < nudged_motions; ++k) {
       for (const double nudge : nudges) {
         const Vector6 x = solver.eigenvectors().col(k) * (nudge * diagonal());
@@ -222,7 +222,7 @@ PointSample sample_points(std::span<const Vec3> points, std::span<const Vec3> no
 std::vector<Candidate> refine_candidates(const FitTarget& target, std::span<const CoarsePose> coarse,
                                          std::span<const Pose> starts, const PointSample& sample, const Vec3& centre,
                                          double radius, const Context& context) {
-  std::vector<Item> items;
+  std::vector<Scored> items;
   for (const Pose& p : starts) items.push_back({p, true});
   for (const CoarsePose& c : coarse) items.push_back({c.pose, false});
   return Comparison(target, sample, centre, radius, context).run(std::move(items));

@@ -13,19 +13,19 @@ namespace {
 
 constexpr double tukey = 4.685;
 constexpr double least_sigma = 1e-9;     // of the diagonal
-constexpr double on_surface = 1e-8;      // of the diagonal: nearer, the direction is the normal
+constexpr double contact = 1e-8;      // of the diagonal: nearer, the direction is the normal
 constexpr double normals_agree = 0.8;    // share that must agree before normals count
 constexpr double opposed_cosine = -0.2;  // normals that differ by more than 100 degrees
 constexpr double unfixed_share = 1e-9;   // of the largest eigenvalue: no step along motions with less information
-constexpr std::size_t sum_block = 4096;
+constexpr std::size_t normal_equations_block = 4096;
 
 // Over the points, in fixed blocks, so that the sum does not depend on anything but their order.
 template <class Term>
 double block_sum(std::size_t count, const Term& term) {
   double sum = 0;
-  for (std::size_t begin = 0; begin < count; begin += sum_block) {
+  for (std::size_t begin = 0; begin < count; begin += normal_equations_block) {
     double part = 0;
-    for (std::size_t i = begin; i < std::min(count, begin + sum_block); ++i) part += term(i);
+    for (std::size_t i = begin; i < std::min(count, begin + normal_equations_block); ++i) part += term(i);
     sum += part;
   }
   return sum;
@@ -103,7 +103,7 @@ std::vector<PointResidual> FitTarget::residuals(std::span<const Vec3> points, st
     r.on_edge = foot.edge >= 0;
     r.value = foot.deviation;
     const Vec3 normal(foot.normal[0], foot.normal[1], foot.normal[2]);
-    r.direction = std::abs(foot.deviation) > on_surface * diagonal ? (posed[i] - foot.point) / foot.deviation : normal;
+    r.direction = std::abs(foot.deviation) > contact * diagonal ? (posed[i] - foot.point) / foot.deviation : normal;
     if (normals.empty() || normals[i].sqrnorm() < 0.5) continue;
     const double cosine = pose.turn(normals[i]) | normal;
     ++known;

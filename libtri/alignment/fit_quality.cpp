@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "meshops/for_each_block.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/search/nearest_points.hpp"
 
 namespace tri {
@@ -15,7 +16,6 @@ constexpr double near_limit = 5e-3;    // of the size
 constexpr double far_limit = 5e-4;     // of the size
 constexpr double clip = 1e-2;          // of the size: a point farther off counts as so far
 constexpr double far_neighbour = 2.5;  // times the usual distance: wild points in the air have no neighbours
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t neighbours_far = 3;  // of four
 
 }  // namespace

@@ -17,16 +17,16 @@ constexpr std::size_t scan_pairs = 3000, poses_each = 32;
 constexpr std::size_t field_cells = 400000;
 constexpr double field_margin = 0.1;  // of the diagonal
 // Rounds of scoring: points, poses that stay, kernel as a share of the diagonal.
-struct Round {
+struct SearchRound {
   std::size_t points, left;
   double kernel;
 };
-constexpr Round rounds[] = {{24, 6000, 0.04}, {80, 1500, 0.04}, {250, 600, 0.03}};
-constexpr double same_start = 0.03, same_pose = 0.006;  // of the diagonal: poses nearer to each other are one
+constexpr SearchRound rounds[] = {{24, 6000, 0.04}, {80, 1500, 0.04}, {250, 600, 0.03}};
+constexpr double same_start = 0.03, same_found = 0.006;  // of the diagonal: poses nearer to each other are one
 constexpr std::size_t most_starts = 240, most_jittered = 10, jitters = 8;
 constexpr double jitter_shift = 0.015, jitter_turn = 0.06;  // of the diagonal; rad
-constexpr double first_kernel = 0.05, jitter_kernel = 0.02, last_kernel = 0.004;
-constexpr int first_steps = 16, jitter_steps = 12;
+constexpr double search_first_kernel = 0.05, jitter_kernel = 0.02, search_last_kernel = 0.004;
+constexpr int search_first_steps = 16, jitter_steps = 12;
 constexpr std::size_t anneal_points = 300, final_points = 1200;
 constexpr double final_kernel = 0.005;
 constexpr double unknown_normal = 0.6;  // counts a point whose normal is not known
@@ -212,7 +212,7 @@ std::vector<CoarsePose> search_poses(const ScanSubset& scan, const SurfaceSample
     });
   };
   double progress = 0.2;
-  for (const Round& round : rounds) {
+  for (const SearchRound& round : rounds) {
     for_each(items, [&](CoarsePose& item) {
       item.score =
           scorer.score(scorer.fast(item.pose), item.orientation, round.points, static_cast<float>(round.kernel));
@@ -233,14 +233,14 @@ std::vector<CoarsePose> search_poses(const ScanSubset& scan, const SurfaceSample
   const auto refine = [&](std::vector<CoarsePose>& list, double kernel, int steps) {
     for_each(list, [&](CoarsePose& item) {
       const FastPose pose =
-          scorer.anneal(scorer.fast(item.pose), item.orientation, anneal_points, kernel, last_kernel, steps);
+          scorer.anneal(scorer.fast(item.pose), item.orientation, anneal_points, kernel, search_last_kernel, steps);
       item.pose = scorer.exact(pose);
       item.score = scorer.score(pose, item.orientation, final_points, static_cast<float>(final_kernel));
     });
     keep_best(list, list.size());
-    keep_different(list, scan, same_pose * options.diagonal, list.size());
+    keep_different(list, scan, same_found * options.diagonal, list.size());
   };
-  refine(items, first_kernel, first_steps);
+  refine(items, search_first_kernel, search_first_steps);
   context.progress("search pose", 0.85);
 
   std::vector<CoarsePose> copies;
@@ -257,7 +257,7 @@ std::vector<CoarsePose> search_poses(const ScanSubset& scan, const SurfaceSample
   refine(copies, jitter_kernel, jitter_steps);
   items.insert(items.end(), copies.begin(), copies.end());
   keep_best(items, items.size());
-  keep_different(items, scan, same_pose * options.diagonal, options.count);
+  keep_different(items, scan, same_found * options.diagonal, options.count);
   context.progress("search pose", 1);
   return items;
 }

@@ -17,7 +17,7 @@ constexpr double reach_scales = 3;    // a point so far from the rim matters
 constexpr double shrink = 0.25;       // of the scale, from one to the next
 constexpr int most_draws = 10;        // at each scale
 constexpr double settled = 0.02;      // of the scale: a shorter move is the last
-constexpr double inlier_sigmas = 4.685;
+constexpr double rim_inlier_sigmas = 4.685;
 constexpr double tangent_error = 0.1;  // of the distance: the surface bends away from the rim's tangent plane
 constexpr double least_speed = 0.05;   // across the rim, of the motion's
 constexpr int most_motions = 3;
@@ -108,13 +108,13 @@ class Fit {
     std::vector<Beside> result;
     for (std::size_t k = 0; k < residuals.size(); ++k) {
       const PointResidual& r = residuals[k];
-      if (r.face < 0 || r.opposed || (!r.on_edge && std::abs(r.value) > inlier_sigmas * sigma_)) continue;
+      if (r.face < 0 || r.opposed || (!r.on_edge && std::abs(r.value) > rim_inlier_sigmas * sigma_)) continue;
       const Rim::Place* place = rim_.near(r.at, r.on_edge ? -1 : r.face, reach);
       if (!place) continue;
       const Vec3 from = r.at - place->point;
       Beside b;
       b.margin = from | place->inward;
-      if (r.on_edge && std::abs(from | place->normal) > inlier_sigmas * sigma_ + tangent_error * std::abs(b.margin))
+      if (r.on_edge && std::abs(from | place->normal) > rim_inlier_sigmas * sigma_ + tangent_error * std::abs(b.margin))
         continue;
       b.change.resize(motions_.cols());
       const Eigen::Vector3d arm = to_eigen(r.at) - centre_, inward = to_eigen(place->inward);

@@ -4,13 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "meshops/limits.hpp"
+
 namespace tri {
-namespace {
-
-constexpr std::uint32_t none = 0xffffffffu;
-
-}  // namespace
-
 SampleField::SampleField(const SurfaceSamples& samples, double margin, std::size_t cells) {
   Vec3 low = samples.points[0], high = low;
   for (const Vec3& p : samples.points) {
@@ -39,7 +35,7 @@ SampleField::SampleField(const SurfaceSamples& samples, double margin, std::size
 
   const int nx = size_[0], ny = size_[1], nz = size_[2];
   const auto index = [&](int x, int y, int z) { return (static_cast<std::size_t>(z) * ny + y) * nx + x; };
-  nearest_.assign(static_cast<std::size_t>(nx) * ny * nz, none);
+  nearest_.assign(static_cast<std::size_t>(nx) * ny * nz, no_index);
   std::vector<float> best(nearest_.size(), std::numeric_limits<float>::max());
   const float h = static_cast<float>(cell_);
   const auto offer = [&](std::size_t at, int x, int y, int z, std::uint32_t sample) {
@@ -77,7 +73,7 @@ SampleField::SampleField(const SurfaceSamples& samples, double margin, std::size
                         oz = z + direction * (k / 9 - 1);
               if (ox < 0 || oy < 0 || oz < 0 || ox >= nx || oy >= ny || oz >= nz) continue;
               const std::uint32_t sample = nearest_[index(ox, oy, oz)];
-              if (sample != none && sample != nearest_[at]) offer(at, x, y, z, sample);
+              if (sample != no_index && sample != nearest_[at]) offer(at, x, y, z, sample);
             }
           }
         }

@@ -13,7 +13,7 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block = 128;
+constexpr std::size_t normals_block = 128;
 constexpr std::size_t most_looked_at = 40000;
 constexpr double spread_wanted = 0.15;  // middle over largest variance: less is a line and no patch
 constexpr double flatness = 0.1;        // smallest over middle variance: more is no plane
@@ -126,7 +126,7 @@ ScanSubset scan_subset(std::span<const Vec3> points, std::span<const Vec3> norma
   if (!subset.oriented) {
     subset.normals.resize(subset.points.size());
     const NearestPoints tree(subset.points);
-    for_each_block(context, "", subset.points.size(), block, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context, "", subset.points.size(), normals_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) subset.normals[i] = plane_normal(subset.points, tree, subset.points[i]);
     });
   }

@@ -7,7 +7,7 @@
 namespace tri {
 namespace {
 
-struct Use {
+struct EdgeUse {
   std::size_t face;
   int edge;
   bool against;  // seen from outside, the face's boundary runs against the edge
@@ -22,7 +22,7 @@ std::size_t end_of(std::size_t use, bool edge_end) {
 
 CadTopology cad_topology(const CadModel& model) {
   CadTopology result;
-  std::vector<Use> uses;
+  std::vector<EdgeUse> uses;
   std::vector<std::vector<std::size_t>> uses_of_edge(model.edges.size());
   struct Joint {
     std::size_t before, after;

@@ -17,14 +17,14 @@
 namespace tri::parts {
 namespace {
 
-constexpr double height = 120, edge_radius = 0.3;
+constexpr double blade_height = 120, edge_radius = 0.3;
 
-// One profile at the share h of the height: suction side, trailing edge, pressure side, leading edge.
+// One profile at the share h of the blade_height: suction side, trailing edge, pressure side, leading edge.
 TopoDS_Wire section(double h) {
   const double chord = 40 - 8 * h, twist = (12 + 38 * h) * M_PI / 180, thickest = 2.0 - 0.9 * h;
   const auto place = [&](double x, double y) {
     x -= 0.45 * chord;
-    return gp_Pnt(x * std::cos(twist) - y * std::sin(twist), x * std::sin(twist) + y * std::cos(twist), height * h);
+    return gp_Pnt(x * std::cos(twist) - y * std::sin(twist), x * std::sin(twist) + y * std::cos(twist), blade_height * h);
   };
   // A parabolic camber line of 8% and half the thickness across it; s in [0,1] along the chord.
   const auto at = [&](double s, double side) {
@@ -72,7 +72,7 @@ TopoDS_Shape blade() {
   std::vector<TopoDS_Shape> faces;
   for (TopExp_Explorer it(loft.Shape(), TopAbs_FACE); it.More(); it.Next()) faces.push_back(it.Current());
   faces.push_back(BRepBuilderAPI_MakeFace(section(1), true).Shape());
-  return joined(faces, 1e-3, gp_Pnt(-30, 40, 0.5 * height));
+  return joined(faces, 1e-3, gp_Pnt(-30, 40, 0.5 * blade_height));
 }
 
 }  // namespace tri::parts

@@ -8,13 +8,6 @@ namespace {
 
 constexpr double height = 30, pad_height = 8, boss_height = 10, radius = 0.8, corner_radius = 1.5;
 
-bool vertical(const gp_Vec& t) {
-  return std::abs(t.Z()) > 0.99;
-}
-bool level(const gp_Pnt& p, double z) {
-  return std::abs(p.Z() - z) < 1e-6;
-}
-
 }  // namespace
 
 TopoDS_Shape fillet_block() {

@@ -3,6 +3,7 @@
 // Builders of the example parts; included only by source files that wrap OpenCASCADE. All lengths are millimetres.
 #include <BRepAdaptor_Curve.hxx>
 #include <TopoDS_Shape.hxx>
+#include <cmath>
 #include <functional>
 #include <gp_Pnt.hxx>
 #include <gp_Vec.hxx>
@@ -20,6 +21,10 @@ TopoDS_Shape fillet_block();
 
 /// Says whether an edge is wanted, from its midpoint and the unit tangent there.
 using EdgeFilter = std::function<bool(const gp_Pnt& middle, const gp_Vec& tangent)>;
+
+/// Whether an edge runs along z, up or down; whether a point is at height `z`.
+inline bool vertical(const gp_Vec& tangent) { return std::abs(tangent.Z()) > 0.99; }
+inline bool level(const gp_Pnt& p, double z) { return std::abs(p.Z() - z) < 1e-6; }
 
 /// `shape` with the edges that pass `wanted` (and those tangent to them) rounded by `radius` mm.
 /// @throws CadError if OpenCASCADE cannot build the fillet or no edge passes.

@@ -36,10 +36,10 @@ constexpr double relative_deflection = 1e-3;  // of the diagonal
 constexpr double angular_deflection = 0.3;    // rad
 constexpr int chord_parts = 8;                // a trimming curve between two nodes; reduces its sagitta by the square
 
-Vec3 to_vec(const gp_Pnt& p) {
+Vec3 to_vec3(const gp_Pnt& p) {
   return {p.X(), p.Y(), p.Z()};
 }
-Vec3 to_vec(const gp_Vec& v) {
+Vec3 to_vec3(const gp_Vec& v) {
   return {v.X(), v.Y(), v.Z()};
 }
 
@@ -81,7 +81,7 @@ double rough_diagonal(const TopTools_IndexedMapOfShape& faces) {
     const BRepAdaptor_Surface surface(face, false);
     for (int j = 0; j <= steps; ++j) {
       for (int k = 0; k <= steps; ++k) {
-        const Vec3 p = to_vec(surface.Value(u0 + (u1 - u0) * j / steps, v0 + (v1 - v0) * k / steps));
+        const Vec3 p = to_vec3(surface.Value(u0 + (u1 - u0) * j / steps, v0 + (v1 - v0) * k / steps));
         low.minimize(p);
         high.maximize(p);
       }
@@ -148,7 +148,7 @@ class FaceMesher {
 
  private:
   void add_node(const BRepAdaptor_Surface& surface, const Vec2& uv, SamplingModel::Face& info) {
-    nodes_.push_back({uv, to_vec(surface.Value(uv[0], uv[1]))});
+    nodes_.push_back({uv, to_vec3(surface.Value(uv[0], uv[1]))});
     info.uv_min.minimize(uv);
     info.uv_max.maximize(uv);
   }
@@ -254,7 +254,7 @@ SamplingModel::Sample SamplingModel::sample(std::int32_t face, const Vec2& uv) c
   gp_Pnt p;
   gp_Vec du, dv;
   impl_->local(face).surface.D1(uv[0], uv[1], p, du, dv);
-  Sample result{to_vec(p), to_vec(du) % to_vec(dv), 0};
+  Sample result{to_vec3(p), to_vec3(du) % to_vec3(dv), 0};
   result.stretch = result.normal.norm();
   if (result.stretch > 0)
     result.normal /= impl_->faces[face].Orientation() == TopAbs_REVERSED ? -result.stretch : result.stretch;

@@ -24,7 +24,7 @@ enum Stream : std::uint64_t { places, drop_outs, lines, surplus, outlier_choice,
 
 constexpr int max_tries = 200000;             // refusals in a row before nothing is left to measure
 constexpr std::size_t least_refused = 20000;  // places of a regular pattern, all refused: nothing is left to measure
-constexpr std::size_t block = 16384;          // points between two checkpoints
+constexpr std::size_t points_block = 16384;          // points between two checkpoints
 constexpr double outlier_low = 0.01, outlier_high = 0.1;  // of the diagonal
 
 void validate(const MeasurementOptions& o) {
@@ -96,12 +96,12 @@ class Measurement {
   // body(first, last) over blocks of [0, count), in parallel, with a checkpoint between rounds.
   template <class Body>
   void in_blocks(std::size_t count, const char* step, const Body& body) {
-    constexpr std::size_t round = 16 * block;
+    constexpr std::size_t round = 16 * points_block;
     for (std::size_t begin = 0; begin < count; begin += round) {
       context_.progress(step, double(begin) / double(count));
       const std::size_t end = std::min(count, begin + round);
       arena_.execute([&] {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, block / 16), [&](const auto& range) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, points_block / 16), [&](const auto& range) {
           if (!context_.cancelled()) body(range.begin(), range.end());
         });
       });

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libtri/surfaces/round_up.hpp"
+
 namespace tri {
 
 namespace {
-
-float up(double x) {
-  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
-}
 
 struct PieceBounds {
   double first, second;  // of |dE/dt|, |d2E/dt2|; second is infinite where a kink is crossed
@@ -28,9 +26,9 @@ double kink_between(const std::vector<ParameterBreak>& breaks, double period, do
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-class Builder {
+class CurvePieceBuilder {
  public:
-  Builder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal, const Context& context,
+  CurvePieceBuilder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal, const Context& context,
           std::vector<CurvePiece>& out)
       : curve_(curve),
         index_(index),
@@ -54,7 +52,7 @@ class Builder {
       for (int i = 0; i <= 4; ++i) {
         const double t = curve_.first + (curve_.last - curve_.first) * i / 4;
         piece.remainder =
-            std::max(piece.remainder, up((on_surface(surface_, *curve_.pcurve, t).p - piece.center).norm()));
+            std::max(piece.remainder, round_up((on_surface(surface_, *curve_.pcurve, t).p - piece.center).norm()));
       }
       out_.push_back(piece);
       return;
@@ -136,9 +134,9 @@ class Builder {
       split(b.cut, t1, depth + 1);
       return;
     }
-    piece.first = up(first * (1 + 1e-6));
-    piece.second = up(second * (1 + 1e-6));
-    piece.remainder = up(remainder + 1e-12 * diagonal_);
+    piece.first = round_up(first * (1 + 1e-6));
+    piece.second = round_up(second * (1 + 1e-6));
+    piece.remainder = round_up(remainder + 1e-12 * diagonal_);
     piece.curve = index_;
     out_.push_back(piece);
   }
@@ -153,7 +151,7 @@ class Builder {
 };
 
 void offer(const FaceCurve& curve, std::uint32_t index, const Surface& surface, const TrimRegion& region, const Vec3& p,
-           double t, Candidate& best) {
+           double t, FootCandidate& best) {
   t = std::clamp(t, curve.first, curve.last);
   Vec2 uv;
   Vec3 normal;
@@ -174,7 +172,7 @@ void offer(const FaceCurve& curve, std::uint32_t index, const Surface& surface, 
 
 // Halves the interval until each part is convex, or too far away, or without a stationary point.
 void branch(const CurvePiece& piece, std::uint32_t index, const FaceCurve& curve, const Surface& surface,
-            const TrimRegion& region, const Vec3& p, double tolerance, Candidate& best) {
+            const TrimRegion& region, const Vec3& p, double tolerance, FootCandidate& best) {
   struct Interval {
     double middle, half;
   };
@@ -260,11 +258,11 @@ Box CurvePiece::box() const {
 
 void make_pieces(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal,
                  const Context& context, std::vector<CurvePiece>& pieces) {
-  Builder(curve, index, surface, diagonal, context, pieces).run();
+  CurvePieceBuilder(curve, index, surface, diagonal, context, pieces).run();
 }
 
 void closest_on_piece(const CurvePiece& piece, std::uint32_t index, const FaceCurve& curve, const Surface& surface,
-                      const TrimRegion& region, const Vec3& p, double tolerance, Candidate& best) {
+                      const TrimRegion& region, const Vec3& p, double tolerance, FootCandidate& best) {
   if (piece.point) {
     // The longitude under which the point is seen, by the least distance close to the pole.
     double nearest = std::numeric_limits<double>::infinity(), at = piece.t;

@@ -48,7 +48,7 @@ void make_pieces(const FaceCurve& curve, std::uint32_t index, const Surface& sur
 /// @param index     written to best.item
 /// @param tolerance mm: parts that could better the distance by less are left
 void closest_on_piece(const CurvePiece& piece, std::uint32_t index, const FaceCurve& curve, const Surface& surface,
-                      const TrimRegion& region, const Vec3& p, double tolerance, Candidate& best);
+                      const TrimRegion& region, const Vec3& p, double tolerance, FootCandidate& best);
 
 /// Parameter in [t0,t1] of a local minimum of the distance to `p`, from `t` by Newton's method.
 double closest_parameter(const FaceCurve& curve, const Surface& surface, const Vec3& p, double t0, double t1, double t);

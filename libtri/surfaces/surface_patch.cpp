@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "libtri/surfaces/round_up.hpp"
+
 namespace tri {
 
 namespace {
@@ -128,7 +130,7 @@ Minimum minimise(const SurfacePatch& patch, const Surface& surface, const Vec3& 
 }
 
 void offer(const SurfacePatch& patch, std::uint32_t index, const TrimRegion& region, const Vec3& p, double a, double b,
-           const Vec3& foot, const Vec3& normal, Candidate& best) {
+           const Vec3& foot, const Vec3& normal, FootCandidate& best) {
   const double distance = (foot - p).norm();
   if (!best.yields_to(distance, false, patch.face, index)) return;
   const Vec2 uv(patch.u + a * patch.half_u, patch.v + b * patch.half_v);
@@ -144,7 +146,7 @@ void offer(const SurfacePatch& patch, std::uint32_t index, const TrimRegion& reg
 
 // Halves the patch until each piece is convex, or too far away, or without a stationary point.
 void branch(const SurfacePatch& patch, std::uint32_t index, const Surface& surface, const TrimRegion& region,
-            const Vec3& p, double tolerance, Candidate& best) {
+            const Vec3& p, double tolerance, FootCandidate& best) {
   std::vector<Rectangle> stack{{-1, 1, -1, 1}};
   while (!stack.empty()) {
     const Rectangle r = stack.back();
@@ -194,10 +196,6 @@ void branch(const SurfacePatch& patch, std::uint32_t index, const Surface& surfa
   }
 }
 
-float up(double x) {
-  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
-}
-
 // How much the Hessian may change over a patch, and whether it stays positive definite for points near the surface.
 //
 // With |x| the bound over the patch and c its centre, |S_i(y).S_jk(z)| <= |S_i(c).S_jk(c)| + |S_i| |dS_jk| + |S_jk|
@@ -243,9 +241,9 @@ struct Certificate {
   double aa_, ab_, bb_, change_[3];
 };
 
-class Builder {
+class PatchBuilder {
  public:
-  Builder(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
+  PatchBuilder(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
           const Context& context, std::vector<SurfacePatch>& out)
       : surface_(*face.surface),
         region_(region),
@@ -331,11 +329,11 @@ class Builder {
         return;
       }
     }
-    for (int k = 0; k < 2; ++k) patch.first[k] = up(whole.first[k]);
+    for (int k = 0; k < 2; ++k) patch.first[k] = round_up(whole.first[k]);
     for (int k = 0; k < 3; ++k) {
-      patch.second[k] = up(whole.second[k]);
-      patch.e0[k] = up(whole.e0[k] * (1 + 1e-6));
-      patch.e1[k] = up(whole.e1[k] * (1 + 1e-6));
+      patch.second[k] = round_up(whole.second[k]);
+      patch.e0[k] = round_up(whole.e0[k] * (1 + 1e-6));
+      patch.e1[k] = round_up(whole.e1[k] * (1 + 1e-6));
     }
     orient(patch, s, remainder);
     out_.push_back(patch);
@@ -385,7 +383,7 @@ class Builder {
     const double pad = 1e-6 * (s.a.norm() + s.b.norm());
     for (int k = 0; k < 3; ++k) {
       for (int c = 0; c < 3; ++c) patch.axis[k][c] = static_cast<float>(e[k][c]);
-      patch.half[k] = up(std::abs(s.a | e[k]) + std::abs(s.b | e[k]) + remainder + pad);
+      patch.half[k] = round_up(std::abs(s.a | e[k]) + std::abs(s.b | e[k]) + remainder + pad);
     }
     const double aa = s.a | s.a, ab = s.a | s.b, bb = s.b | s.b, determinant = aa * bb - ab * ab;
     for (int c = 0; c < 3; ++c) {
@@ -419,11 +417,11 @@ Box SurfacePatch::box() const {
 
 void make_patches(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
                   const Context& context, std::vector<SurfacePatch>& patches) {
-  Builder(face, region, position, diagonal, context, patches).run();
+  PatchBuilder(face, region, position, diagonal, context, patches).run();
 }
 
 void closest_on_patch(const SurfacePatch& patch, std::uint32_t index, const Surface& surface, const TrimRegion& region,
-                      const Vec3& p, double tolerance, Candidate& best) {
+                      const Vec3& p, double tolerance, FootCandidate& best) {
   const Vec3 d = p - patch.center;
   const double a = patch.seed[0][0] * d[0] + patch.seed[0][1] * d[1] + patch.seed[0][2] * d[2];
   const double b = patch.seed[1][0] * d[0] + patch.seed[1][1] * d[1] + patch.seed[1][2] * d[2];
@@ -433,7 +431,7 @@ void closest_on_patch(const SurfacePatch& patch, std::uint32_t index, const Surf
 }
 
 void closest_in_closed_form(const Surface& surface, const TrimRegion& region, std::uint32_t face, std::uint32_t index,
-                            const Vec3& p, Candidate& best) {
+                            const Vec3& p, FootCandidate& best) {
   Vec2 feet[2];
   const int n = surface.closest(p, feet);
   for (int k = 0; k < n; ++k) {

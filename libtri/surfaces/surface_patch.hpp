@@ -14,7 +14,7 @@
 namespace tri {
 
 /// The nearest place found so far on the model.
-struct Candidate {
+struct FootCandidate {
   double distance = std::numeric_limits<double>::infinity();
   Vec3 foot{0, 0, 0};
   Vec3 normal{0, 0, 0};  ///< along du x dv, of any length
@@ -93,10 +93,10 @@ void make_patches(const CadFace& face, const TrimRegion& region, std::uint32_t p
 /// @param index     written to best.item
 /// @param tolerance mm: pieces that could better the distance by less are left
 void closest_on_patch(const SurfacePatch& patch, std::uint32_t index, const Surface& surface, const TrimRegion& region,
-                      const Vec3& p, double tolerance, Candidate& best);
+                      const Vec3& p, double tolerance, FootCandidate& best);
 
 /// For a surface with closed-form feet: replaces `best` if the trimmed face's interior holds a nearer point.
 void closest_in_closed_form(const Surface& surface, const TrimRegion& region, std::uint32_t face, std::uint32_t index,
-                            const Vec3& p, Candidate& best);
+                            const Vec3& p, FootCandidate& best);
 
 }  // namespace tri

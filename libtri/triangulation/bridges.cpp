@@ -19,12 +19,12 @@
 #include "libtri/triangulation/shell/triangle_geometry.hpp"
 #include "meshops/crossings/self_intersections.hpp"
 #include "meshops/holes/polygon_triangulation.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 
 namespace tri {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double across = 0.5;      ///< cosine of the angle to the model's normal below which a triangle bridges
 constexpr double suspicious = 0.7;  ///< triangles that agree better with the normals at their corners are not looked at
 constexpr double bridge_weight = 10, fold_weight = 10;  ///< times the area that bridges or is folded over
@@ -41,7 +41,7 @@ constexpr double most_rise = 1.1;          ///< of a region's sum, for fewer cro
 constexpr std::size_t most_in_vain = 100;  ///< regions of crossings in turn that nothing helped
 constexpr int zone_steps = 14;             ///< triangles around a bridging one that may change
 constexpr std::size_t most_changes = 400;  ///< before the search for crossings is sorted anew; more in a large zone
-constexpr std::size_t block = 8192;        ///< triangles
+constexpr std::size_t triangles_block = 8192;        ///< triangles
 
 using Normal = std::array<float, 3>;
 
@@ -120,9 +120,9 @@ class BridgeTest {
 
 /// The part of a mesh around some of its triangles, with vertices and triangles numbered anew. What lies at its rim is
 /// there to tell which edges exist, and is not changed.
-class Neighbourhood {
+class BridgeZone {
  public:
-  Neighbourhood(const PointMesh& mesh, std::span<const Foot> feet, std::span<const std::uint32_t> seeds, int steps) {
+  BridgeZone(const PointMesh& mesh, std::span<const Foot> feet, std::span<const std::uint32_t> seeds, int steps) {
     // The core: `steps` triangles around the seeds, across edges.
     std::vector<std::uint8_t> state(mesh.triangles.size(), 0);  // 1: may change; 2: at the rim
     std::vector<std::uint32_t> front(seeds.begin(), seeds.end()), next;
@@ -192,7 +192,7 @@ class Neighbourhood {
 
 class Lessener {
  public:
-  Lessener(Neighbourhood& zone, std::span<const Vec3> points, BridgeTest& test)
+  Lessener(BridgeZone& zone, std::span<const Vec3> points, BridgeTest& test)
       : zone_(zone), mesh_(zone.edit), test_(test), cost_(zone.edit) {
     for (const EditMesh::Vertex& v : mesh_.vertices) positions_.push_back(points[v.point]);
     std::vector<std::uint32_t> all(mesh_.triangles.size());
@@ -473,7 +473,7 @@ class Lessener {
     }
   }
 
-  Neighbourhood& zone_;
+  BridgeZone& zone_;
   EditMesh& mesh_;
   BridgeTest& test_;
   TriangleCost cost_;
@@ -491,11 +491,11 @@ class Lessener {
 
 /// The triangles that may bridge, and the area of all.
 std::vector<std::uint32_t> find_suspicious(std::span<const Foot> feet, const PointMesh& mesh, double& total_area) {
-  const std::size_t blocks = (mesh.triangles.size() + block - 1) / block;
+  const std::size_t blocks = (mesh.triangles.size() + triangles_block - 1) / triangles_block;
   std::vector<std::vector<std::uint32_t>> found(blocks);
   std::vector<double> area(blocks, 0);
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t i) {
-    for (std::size_t t = i * block; t < std::min(mesh.triangles.size(), (i + 1) * block); ++t) {
+    for (std::size_t t = i * triangles_block; t < std::min(mesh.triangles.size(), (i + 1) * triangles_block); ++t) {
       const Triangle& q = mesh.triangles[t];
       const Foot &a = feet[q[0]], &b = feet[q[1]], &c = feet[q[2]];
       const Vec3 n = (b.point - a.point) % (c.point - a.point);
@@ -525,7 +525,7 @@ Bridges lessen_bridges(std::span<const Vec3> points, std::span<const Foot> feet,
   test.ask(asked);
   std::erase_if(seeds, [&](std::uint32_t t) { return !test(mesh.triangles[t]); });
   if (seeds.empty()) return bridges;
-  Neighbourhood zone(mesh, feet, seeds, zone_steps);
+  BridgeZone zone(mesh, feet, seeds, zone_steps);
   Lessener lessener(zone, points, test);
   lessener.run(small_rings, context);
   if (lessener.bridging_area() > much * bridges.total_area) lessener.run(large_rings, context);
@@ -549,7 +549,7 @@ bool mend_crossings(std::span<const Vec3> points, std::span<const Foot> feet, co
   std::sort(tangled.begin(), tangled.end());
   tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
   BridgeTest test(feet, registration, tolerance, context.threads);
-  Neighbourhood zone(mesh, feet, tangled, zone_steps);
+  BridgeZone zone(mesh, feet, tangled, zone_steps);
   Lessener lessener(zone, points, test);
   bool changed = false;
   for (int round = 0; round < most_crossing_rounds && lessener.run_crossings(tangled, context); ++round) changed = true;

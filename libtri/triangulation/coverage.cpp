@@ -12,18 +12,13 @@
 
 #include "libtri/triangulation/empty_discs.hpp"
 #include "libtri/triangulation/mesh_spacing.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/search/nearest_points.hpp"
 #include "meshops/select_indices.hpp"
 
 namespace tri {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double cosine(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// A place on the model and how far it is to the nearest point or free edge.
 struct Disc {

@@ -12,10 +12,6 @@ namespace {
 
 constexpr double other_way = 1.9;  // radians: normals farther apart are those of two sides of a wall
 
-double cosine(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 }  // namespace
 
 EmptyDiscs::EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::span<const Foot> probes, double reach,

@@ -12,6 +12,11 @@
 
 namespace tri {
 
+/// Of unit vectors.
+inline double cosine(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 /// Distance from places on the model to the nearest measured point that does not face the other way, and to free edges.
 class EmptyDiscs {
  public:

@@ -21,7 +21,7 @@ std::uint32_t spread(std::uint32_t x) {
   return x;
 }
 
-constexpr std::size_t block_size = 1 << 16;  // points
+constexpr std::size_t order_block = 1 << 16;  // points
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3> points, const Vec3
   const double longest = std::max({size[0], size[1], size[2]});
   const double scale = longest > 0 ? 1024 / longest : 0;
   std::vector<KeyedIndex> entries(points.size());
-  const tbb::blocked_range<std::size_t> all(0, points.size(), block_size);
+  const tbb::blocked_range<std::size_t> all(0, points.size(), order_block);
   tbb::parallel_for(all, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       std::uint32_t key = 0;

@@ -13,17 +13,17 @@
 namespace tri {
 namespace {
 
-struct Item {
+struct KeyedPoint {
   std::uint64_t key;
   std::uint32_t index;
 
-  friend bool operator<(const Item& a, const Item& b) { return a.key != b.key ? a.key < b.key : a.index < b.index; }
+  friend bool operator<(const KeyedPoint& a, const KeyedPoint& b) { return a.key != b.key ? a.key < b.key : a.index < b.index; }
 };
 
 constexpr int radix_bits = 11;
 constexpr std::size_t radix = std::size_t{1} << radix_bits;
 constexpr std::size_t small_bucket = 1536;
-constexpr std::size_t block_size = 1 << 16;
+constexpr std::size_t curve_block = 1 << 16;
 
 std::uint64_t spread_bits(std::uint32_t value) {  // bit i to bit 2i
   std::uint64_t v = value;
@@ -85,7 +85,7 @@ class Quantizer {
 };
 
 // Sorts items whose keys agree above `top_bit` bits; `scratch` is as large.
-void sort_serial(Item* items, Item* scratch, std::size_t count, int top_bit) {
+void sort_serial(KeyedPoint* items, KeyedPoint* scratch, std::size_t count, int top_bit) {
   if (count <= small_bucket || top_bit <= 0) {
     std::sort(items, items + count);
     return;
@@ -106,22 +106,22 @@ void sort_serial(Item* items, Item* scratch, std::size_t count, int top_bit) {
 }
 
 // One stable scatter by the highest bits, then every bucket by itself. Leaves the result in `items`.
-void sort_items(PageBuffer<Item>& items, std::size_t count) {
-  auto scratch = PageBuffer<Item>(count);
-  if (count < 2 * block_size) {
+void sort_items(PageBuffer<KeyedPoint>& items, std::size_t count) {
+  auto scratch = PageBuffer<KeyedPoint>(count);
+  if (count < 2 * curve_block) {
     sort_serial(items.get(), scratch.get(), count, 64);
     return;
   }
   const int shift = 64 - radix_bits;
-  const std::size_t blocks = (count + block_size - 1) / block_size;
+  const std::size_t blocks = (count + curve_block - 1) / curve_block;
   std::vector<std::uint32_t> next(blocks * radix, 0);
   const auto for_block = [&](std::size_t block, auto&& visit) {
-    const std::size_t end = std::min(count, (block + 1) * block_size);
-    for (std::size_t i = block * block_size; i < end; ++i) visit(items[i]);
+    const std::size_t end = std::min(count, (block + 1) * curve_block);
+    for (std::size_t i = block * curve_block; i < end; ++i) visit(items[i]);
   };
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
     std::uint32_t* histogram = next.data() + block * radix;
-    for_block(block, [&](const Item& item) { ++histogram[item.key >> shift]; });
+    for_block(block, [&](const KeyedPoint& item) { ++histogram[item.key >> shift]; });
   });
   std::vector<std::uint32_t> start(radix + 1, 0);
   std::uint32_t sum = 0;
@@ -136,7 +136,7 @@ void sort_items(PageBuffer<Item>& items, std::size_t count) {
   start[radix] = sum;
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
     std::uint32_t* to = next.data() + block * radix;
-    for_block(block, [&](const Item& item) { scratch[to[item.key >> shift]++] = item; });
+    for_block(block, [&](const KeyedPoint& item) { scratch[to[item.key >> shift]++] = item; });
   });
   std::swap(items, scratch);
   tbb::parallel_for(std::size_t{0}, radix, [&](std::size_t b) {
@@ -173,8 +173,8 @@ class Sorter {
       }
       return;
     }
-    auto items = PageBuffer<Item>(count);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, block_size), [&](const auto& range) {
+    auto items = PageBuffer<KeyedPoint>(count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, curve_block), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const std::uint32_t index = result_.order[begin + i];
         items[i] = {quantizer.key(points_[index]), index};

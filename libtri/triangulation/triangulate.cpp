@@ -257,7 +257,7 @@ Candidate by_shell(const Measured& measured, Stopwatch& watch, Context& context)
 }
 
 /// What is wrong with a candidate, in words.
-std::string describe(const Candidate& candidate) {
+std::string describe_candidate(const Candidate& candidate) {
   const TriangulationChecks& c = candidate.checks;
   return fmt::format(
       "{} topology, {} self-intersections, {} folds, {} turned triangles, {:.2g}% of the area bridges, {} unused points",
@@ -278,13 +278,13 @@ Candidate connect(const Measured& measured, const TriangulateOptions& options, S
     }
   }
   if (options.method == Method::automatic && patches.clean()) {
-    reason = fmt::format("the checks find next to nothing wrong: {}", describe(patches));
+    reason = fmt::format("the checks find next to nothing wrong: {}", describe_candidate(patches));
     return patches;
   }
   Candidate shell = by_shell(measured, watch, context);
   if (options.method == Method::automatic) {
     const bool take_shell = shell.better_than(patches);
-    reason = fmt::format("the better of patches ({}) and shell ({})", describe(patches), describe(shell));
+    reason = fmt::format("the better of patches ({}) and shell ({})", describe_candidate(patches), describe_candidate(shell));
     if (!take_shell) return patches;
   } else {
     reason = "asked for";

@@ -12,7 +12,7 @@
 namespace tri {
 namespace {
 
-constexpr int most_rounds = 12;
+constexpr int most_untangling_rounds = 12;
 /// Crossings are looked for again after this many flips at the latest, since flipped triangles are searched one by one.
 constexpr std::size_t most_flips_a_round = 2000;
 
@@ -152,7 +152,7 @@ std::vector<std::array<std::uint32_t, 2>> untangle(std::span<const Vec3> points,
   {
     Untangler untangler(points, feet, mesh, pairs);
     try {
-      for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
+      for (int round = 0; round < most_untangling_rounds && !pairs.empty(); ++round) {
         const std::size_t now = untangler.round(pairs, context);
         if (now == 0) break;
         flips += now;

@@ -16,10 +16,6 @@ namespace tri {
 namespace {
 
 /// Whether two sorted lists of corners come from triangles that face the same way.
-bool is_even(const Triangle& t) {
-  return (t[0] < t[1]) == ((t[1] < t[2]) == (t[0] < t[2]));
-}
-
 void judge_shapes(const Soup& soup, double needle, MeshCheck& check) {
   for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
     const Triangle& t = soup.triangles[i];

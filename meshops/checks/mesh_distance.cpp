@@ -17,7 +17,7 @@ namespace {
 
 using Hit = ClosestTriangle::Hit;
 
-constexpr std::size_t block_size = 1024;
+constexpr std::size_t samples_block = 1024;
 constexpr std::uint64_t least_samples = 100'000;
 constexpr std::uint64_t searches_per_cut = 7;  // the middles of three sides and of four quarters
 constexpr double smallest_share = 1e-6;        // of the diagonal: differences below are not narrowed down further
@@ -97,9 +97,9 @@ class OneSided {
  private:
   template <class Body>
   void in_blocks(const std::string& step, std::size_t count, const Body& body) {
-    std::vector<Farthest> farthest((count + block_size - 1) / block_size);
+    std::vector<Farthest> farthest((count + samples_block - 1) / samples_block);
     for_each_block(
-        context_, step.empty() ? "" : name_ + ": " + step, count, block_size,
+        context_, step.empty() ? "" : name_ + ": " + step, count, samples_block,
         [&](std::size_t block, std::size_t begin, std::size_t end) { body(block, begin, end, farthest[block]); });
     for (const Farthest& f : farthest) farthest_.see(f);
   }
@@ -136,7 +136,7 @@ class OneSided {
       return;
     }
     result_.samples = count;
-    std::vector<std::array<double, 2>> sums((count + block_size - 1) / block_size, {0, 0});
+    std::vector<std::array<double, 2>> sums((count + samples_block - 1) / samples_block, {0, 0});
     in_blocks("samples", count, [&](std::size_t block, std::size_t begin, std::size_t end, Farthest& farthest) {
       for (std::size_t k = begin; k < end; ++k) {
         RandomStream random(options_.seed, k);

@@ -14,10 +14,10 @@ namespace tri {
 namespace {
 
 // One side of a triangle; `corner` is 3 * triangle + k for the side from corner k to the next.
-struct Side {
+struct LinkedSide {
   std::uint64_t key;
   std::size_t corner;
-  bool operator<(const Side& other) const { return key != other.key ? key < other.key : corner < other.corner; }
+  bool operator<(const LinkedSide& other) const { return key != other.key ? key < other.key : corner < other.corner; }
 };
 
 std::size_t next_corner(std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
@@ -81,7 +81,7 @@ class Summary {
   }
 
   void walk_edges() {
-    std::vector<Side> sides;
+    std::vector<LinkedSide> sides;
     sides.reserve(soup_.triangles.size() * 3);
     for (std::size_t corner = 0; corner < soup_.triangles.size() * 3; ++corner, pace_()) {
       const std::uint64_t a = vertex(corner), b = vertex(next_corner(corner));

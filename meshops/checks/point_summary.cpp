@@ -15,7 +15,7 @@ namespace {
 constexpr int bits = 20;  // a coordinate is one of 2^20 cells along the longest side of the box
 constexpr std::size_t sampled = 20000;
 
-std::uint64_t spread(std::uint64_t v) {  // bit i to bit 3 i
+std::uint64_t spread_by_three(std::uint64_t v) {  // bit i to bit 3 i
   v &= 0x1fffff;
   v = (v | v << 32) & 0x1f00000000ffff;
   v = (v | v << 16) & 0x1f0000ff0000ff;
@@ -66,7 +66,7 @@ class Octree {
     return index;
   }
   static std::uint64_t code(const std::array<std::int64_t, 3>& index) {
-    return spread(std::uint64_t(index[0])) | spread(std::uint64_t(index[1])) << 1 | spread(std::uint64_t(index[2])) << 2;
+    return spread_by_three(std::uint64_t(index[0])) | spread_by_three(std::uint64_t(index[1])) << 1 | spread_by_three(std::uint64_t(index[2])) << 2;
   }
 
   std::size_t occupied(int level) const {

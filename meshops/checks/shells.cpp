@@ -15,17 +15,17 @@
 namespace tri {
 namespace {
 
-using Box = OverlapTree::Box;
+using SoupBox = OverlapTree::Box;
 
-Box box_of(const Soup& soup, const Triangle& t) {
-  Box box;
+SoupBox triangle_box(const Soup& soup, const Triangle& t) {
+  SoupBox box;
   for (const std::uint32_t v : t) box.grow(soup.points[v]);
   return box;
 }
 
-OverlapTree tree_of(const Soup& soup, std::span<const std::uint32_t> listed) {
-  std::vector<Box> boxes;
-  for (const std::uint32_t t : listed) boxes.push_back(box_of(soup, soup.triangles[t]));
+OverlapTree shell_tree(const Soup& soup, std::span<const std::uint32_t> listed) {
+  std::vector<SoupBox> boxes;
+  for (const std::uint32_t t : listed) boxes.push_back(triangle_box(soup, soup.triangles[t]));
   std::vector<std::uint32_t> items(listed.size());
   std::iota(items.begin(), items.end(), 0u);
   return {std::move(boxes), std::move(items)};
@@ -188,7 +188,7 @@ class ShellFinder {
   Shells result_;
 };
 
-bool contains(const Box& outer, const Box& inner) {
+bool contains(const SoupBox& outer, const SoupBox& inner) {
   for (int k = 0; k < 3; ++k)
     if (inner.lo[k] < outer.lo[k] || inner.hi[k] > outer.hi[k]) return false;
   return true;
@@ -197,11 +197,11 @@ bool contains(const Box& outer, const Box& inner) {
 }  // namespace
 
 InsideTest::InsideTest(const Soup& soup, std::span<const std::uint32_t> listed)
-    : soup_(soup), listed_(listed.begin(), listed.end()), tree_(tree_of(soup, listed)) {}
+    : soup_(soup), listed_(listed.begin(), listed.end()), tree_(shell_tree(soup, listed)) {}
 
 InsideTest::Where InsideTest::locate(const Vec3& place) const {
   constexpr int x = 1, y = 2;  // the line runs along the first axis
-  Box line;
+  SoupBox line;
   line.grow(place);
   line.hi[0] = std::numeric_limits<double>::infinity();
   bool inside = false, on = false;
@@ -222,14 +222,14 @@ Shells find_shells(const Soup& soup, Context& context) {
 
 void find_depths(const Soup& soup, Shells& shells, Context& context) {
   Pace pace(context);
-  std::vector<Box> boxes(shells.shells.size());
+  std::vector<SoupBox> boxes(shells.shells.size());
   std::vector<std::uint32_t> closed;
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     if (!shells.shells[i].closed) continue;
     closed.push_back(i);
     for (const std::uint32_t t : shells.shells[i].triangles) {
       pace();
-      boxes[i].grow(box_of(soup, soup.triangles[t]));
+      boxes[i].grow(triangle_box(soup, soup.triangles[t]));
     }
   }
   if (closed.size() < 2) return;

@@ -11,14 +11,14 @@
 namespace tri {
 namespace {
 
-using Corners = std::array<Vec3, 3>;
+using CornerPoints = std::array<Vec3, 3>;
 
 bool before(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
-Corners sorted_corners(const Soup& soup, const Triangle& t) {
-  Corners c{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]};
+CornerPoints sorted_corners(const Soup& soup, const Triangle& t) {
+  CornerPoints c{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]};
   std::sort(c.begin(), c.end(), before);
   return c;
 }
@@ -29,17 +29,17 @@ class TrianglesByPlace {
   explicit TrianglesByPlace(const Soup& soup) {
     known_.reserve(soup.triangles.size());
     for (const Triangle& t : soup.triangles) {
-      const Corners c = sorted_corners(soup, t);
+      const CornerPoints c = sorted_corners(soup, t);
       known_.emplace(hash(c), c);
     }
   }
-  bool has(const Corners& c) const {
+  bool has(const CornerPoints& c) const {
     const auto [begin, end] = known_.equal_range(hash(c));
     return std::any_of(begin, end, [&](const auto& entry) { return entry.second == c; });
   }
 
  private:
-  static std::uint64_t hash(const Corners& c) {
+  static std::uint64_t hash(const CornerPoints& c) {
     std::uint64_t h = 0;
     for (const Vec3& p : c)
       for (int k = 0; k < 3; ++k) {
@@ -48,7 +48,7 @@ class TrianglesByPlace {
       }
     return h;
   }
-  std::unordered_multimap<std::uint64_t, Corners> known_;
+  std::unordered_multimap<std::uint64_t, CornerPoints> known_;
 };
 
 }  // namespace
@@ -56,12 +56,12 @@ class TrianglesByPlace {
 ReachOfTriangle reach_of(const std::array<Vec3, 3>& triangle, const ClosestTriangle& surface, double reach,
                          std::size_t most_pieces, std::uint32_t& hint) {
   using Verdict = ReachOfTriangle::Verdict;
-  std::vector<Corners> pieces{triangle};
+  std::vector<CornerPoints> pieces{triangle};
   bool decided = true;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const auto [a, b, c] = pieces[i];
     const auto within = [&](std::uint32_t t) {
-      const Corners& near = surface.corners(t);
+      const CornerPoints& near = surface.corners(t);
       return std::ranges::all_of(pieces[i],
                                  [&](const Vec3& p) { return (closest_on_triangle(near, p) - p).norm() <= reach; });
     };
@@ -99,7 +99,7 @@ PlacesBeyond places_beyond(const Soup& from, std::span<const std::uint32_t> left
   std::uint32_t hint = 0;
   for (std::size_t i = 0; i < changed.size(); ++i) {
     if (i % 1024 == 0) context.checkpoint();
-    const Corners corners = sorted_corners(from, from.triangles[changed[i]]);
+    const CornerPoints corners = sorted_corners(from, from.triangles[changed[i]]);
     const double share = area > 0 ? area_vector(from, from.triangles[changed[i]]).norm() / area : 0;
     const auto most = searches_each +
                       static_cast<std::size_t>(share * static_cast<double>(searches + searches_each * changed.size()));

@@ -11,7 +11,7 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 1 << 14;
+constexpr std::size_t values_block = 1 << 14;
 
 // Count, mean and sum of squared differences from the mean; the mean square is kept by itself, since adding the square
 // of a large mean afterwards would lose nothing but taking it away would.
@@ -66,8 +66,8 @@ ValueStatistics value_statistics(std::span<const double> values, const std::opti
                                  const Context& context) {
   ValueStatistics result;
   if (values.empty()) return result;
-  std::vector<Moments> partial((values.size() + block_size - 1) / block_size);
-  for_each_block(context, "", values.size(), block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
+  std::vector<Moments> partial((values.size() + values_block - 1) / values_block);
+  for_each_block(context, "", values.size(), values_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
     Moments m;
     for (std::size_t i = begin; i < end; ++i) {
       m.add(values[i], i);

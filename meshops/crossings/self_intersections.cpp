@@ -20,7 +20,7 @@
 namespace tri {
 namespace {
 
-using Box = OverlapTree::Box;
+using BlockBox = OverlapTree::Box;
 
 /// Spreads the lowest ten bits of `x` to every third bit.
 std::uint32_t spread(std::uint32_t x) {
@@ -37,7 +37,7 @@ std::uint32_t spread(std::uint32_t x) {
 class Blocks {
  public:
   Blocks(std::span<const Vec3> points, std::span<const Triangle> triangles) {
-    Box all;
+    BlockBox all;
     for (const Vec3& p : points) all.grow(p);
     Vec3 scale(0, 0, 0);
     for (int k = 0; k < 3; ++k) scale[k] = all.hi[k] > all.lo[k] ? grid / (all.hi[k] - all.lo[k]) : 0;
@@ -62,7 +62,7 @@ class Blocks {
     items_.resize(order.size());
     corners_.resize(order.size());
     blocks_.resize((order.size() + block_size - 1) / block_size);
-    std::vector<Box> boxes(blocks_.size());
+    std::vector<BlockBox> boxes(blocks_.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks_.size(), 128), [&](const auto& range) {
       for (std::size_t b = range.begin(); b < range.end(); ++b) {
         for (std::size_t j = 0; j < block_size; ++j) {

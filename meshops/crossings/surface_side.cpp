@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "meshops/joining/joined_points.hpp"
+#include "meshops/shape/triangle_normal.hpp"
 
 namespace tri {
 namespace {
@@ -14,11 +15,6 @@ constexpr double on_edge = 1e-10;  // share of the triangle within which a point
 
 std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
   return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-}
-
-Vec3 unit_or_zero(const Vec3& v) {
-  const double length = v.norm();
-  return length > 0 ? v / length : Vec3(0, 0, 0);
 }
 
 }  // namespace

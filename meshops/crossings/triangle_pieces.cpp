@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
+#include "meshops/limits.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
 namespace {
-
-constexpr std::uint32_t none = 0xffffffffu;
 
 /// Appends a point of a triangle's plane; the corners' attributes are interpolated.
 std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
@@ -29,7 +28,7 @@ std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
 std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report) {
   const std::vector<Vec3>& places = pieces.places;
   const std::size_t old_points = soup.points.size(), old_triangles = soup.triangles.size();
-  std::vector<std::uint32_t> name(places.size(), none);
+  std::vector<std::uint32_t> name(places.size(), no_index);
   std::vector<char> taken(old_points, 0);
   std::vector<char> kept(old_triangles, 0);
   std::vector<std::pair<Triangle, std::uint32_t>> added;
@@ -37,12 +36,12 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
     Triangle named;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = piece.v[k];
-      if (name[v] == none) {
+      if (name[v] == no_index) {
         const std::uint32_t original = pieces.original[v];
-        if (original != none && !taken[original]) {
+        if (original != no_index && !taken[original]) {
           name[v] = original;
           taken[original] = 1;
-        } else if (original != none) {
+        } else if (original != no_index) {
           name[v] = copy_point(soup, original);
         } else {
           name[v] = add_point_in(soup, piece.within, places[v]);
@@ -54,7 +53,7 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
   }
   // A triangle that is the same as before keeps its place, so that its attributes need no interpolation.
   std::vector<std::pair<Triangle, std::uint32_t>> fresh;
-  std::vector<std::uint32_t> piece_kept(old_triangles, none), fresh_pieces;
+  std::vector<std::uint32_t> piece_kept(old_triangles, no_index), fresh_pieces;
   for (std::uint32_t i = 0; i < added.size(); ++i) {
     const auto& [t, source] = added[i];
     const Triangle& was = soup.triangles[source];
@@ -69,13 +68,13 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
     }
   }
   for (std::size_t v = 0; v < name.size(); ++v) {
-    if (name[v] == none) continue;
+    if (name[v] == no_index) continue;
     if (name[v] < old_points) report.vertices_moved += soup.points[name[v]] != places[v];
     else ++report.vertices_added;
   }
   for (const auto& [t, source] : fresh) add_triangle_in(soup, t, source);
   for (std::size_t v = 0; v < name.size(); ++v)
-    if (name[v] != none) soup.points[name[v]] = places[v];
+    if (name[v] != no_index) soup.points[name[v]] = places[v];
   report.faces_added = fresh.size();
   kept.resize(soup.triangles.size(), 1);
   report.faces_removed = static_cast<std::uint64_t>(std::count(kept.begin(), kept.end(), 0));
@@ -93,7 +92,7 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
     if (!used[v] && v < old_points) ++report.vertices_removed;
   }
   renumber_points(soup, number, count);
-  std::erase(piece_kept, none);
+  std::erase(piece_kept, no_index);
   piece_kept.insert(piece_kept.end(), fresh_pieces.begin(), fresh_pieces.end());
   return piece_kept;
 }

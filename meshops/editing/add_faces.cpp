@@ -11,13 +11,13 @@ namespace tri {
 namespace {
 
 /// One side of a triangle of the batch.
-struct Side {
+struct NewSide {
   int low = 0, high = 0;  ///< vertex indices
   bool forward = true;    ///< runs low -> high
   int triangle = 0, corner = 0;
 
-  bool same_edge(const Side& o) const { return low == o.low && high == o.high; }
-  bool operator<(const Side& o) const {
+  bool same_edge(const NewSide& o) const { return low == o.low && high == o.high; }
+  bool operator<(const NewSide& o) const {
     if (low != o.low) return low < o.low;
     if (high != o.high) return high < o.high;
     return forward && !o.forward;
@@ -29,15 +29,15 @@ struct Wedge {
   int from = 0, to = 0;
 };
 
-std::vector<Side> sides_of(std::span<const VertexTriple> triangles, Pace& pace) {
-  std::vector<Side> sides;
+std::vector<NewSide> sides_of(std::span<const VertexTriple> triangles, Pace& pace) {
+  std::vector<NewSide> sides;
   sides.reserve(3 * triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const int a = triangles[t][k].idx(), b = triangles[t][(k + 1) % 3].idx();
       sides.push_back({std::min(a, b), std::max(a, b), a < b, static_cast<int>(t), k});
     }
-  std::sort(sides.begin(), sides.end(), [&](const Side& a, const Side& b) {
+  std::sort(sides.begin(), sides.end(), [&](const NewSide& a, const NewSide& b) {
     pace();
     return a < b;
   });
@@ -73,7 +73,7 @@ int count_fans(std::vector<Wedge>& wedges) {
 }
 
 /// (vertex, wedge) for every corner of the batch, sorted by vertex.
-std::vector<std::pair<int, Wedge>> corners_of(std::span<const VertexTriple> triangles, Pace& pace) {
+std::vector<std::pair<int, Wedge>> wedges_of(std::span<const VertexTriple> triangles, Pace& pace) {
   std::vector<std::pair<int, Wedge>> corners;
   corners.reserve(3 * triangles.size());
   for (const VertexTriple& t : triangles)
@@ -226,16 +226,16 @@ FitResult check_faces(MeshView view, std::span<const VertexTriple> triangles, co
     for (const VertexHandle v : t)
       if (!mesh.is_valid_handle(v) || mesh.status(v).deleted()) return FitResult::degenerate;
   }
-  const std::vector<Side> sides = sides_of(triangles, pace);
+  const std::vector<NewSide> sides = sides_of(triangles, pace);
   for (std::size_t i = 0; i < sides.size(); ++i) {
     pace();
-    const Side& s = sides[i];
+    const NewSide& s = sides[i];
     if (i > 0 && sides[i - 1].same_edge(s) && sides[i - 1].forward == s.forward) return FitResult::edge_in_use;
     const HalfedgeHandle h =
         mesh.find_halfedge(VertexHandle(s.forward ? s.low : s.high), VertexHandle(s.forward ? s.high : s.low));
     if (h.is_valid() && mesh.face_handle(h).is_valid()) return FitResult::edge_in_use;
   }
-  const auto corners = corners_of(triangles, pace);
+  const auto corners = wedges_of(triangles, pace);
   std::vector<Wedge> wedges, before;
   for (std::size_t i = 0; i < corners.size();) {
     pace();
@@ -260,7 +260,7 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
   if (result != FitResult::fits || triangles.empty()) return result;
   auto& mesh = view.mesh;
 
-  const std::vector<Side> sides = sides_of(triangles, pace);
+  const std::vector<NewSide> sides = sides_of(triangles, pace);
   std::vector<HalfedgeHandle> halfedge(sides.size());  // by 3 * triangle + corner
   std::size_t new_edges = 0;
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -271,7 +271,7 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
 
   // The half-edges that each touched vertex has now, before anything is linked anew.
   std::vector<std::pair<int, HalfedgeHandle>> outgoing;
-  for (const auto& [v, wedge] : corners_of(triangles, pace)) {
+  for (const auto& [v, wedge] : wedges_of(triangles, pace)) {
     pace();
     const VertexHandle vertex(v);
     if (!outgoing.empty() && outgoing.back().first == v) continue;
@@ -298,7 +298,7 @@ FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std:
 
   for (std::size_t i = 0; i < sides.size(); ++i) {
     pace();
-    const Side& s = sides[i];
+    const NewSide& s = sides[i];
     HalfedgeHandle forward;
     if (i > 0 && sides[i - 1].same_edge(s)) {
       forward = halfedge[3 * sides[i - 1].triangle + sides[i - 1].corner];

@@ -9,7 +9,7 @@
 namespace tri {
 namespace {
 
-std::size_t index(OpenMesh::BaseHandle handle) {
+std::size_t number_of(OpenMesh::BaseHandle handle) {
   return static_cast<std::size_t>(handle.idx());
 }
 
@@ -44,8 +44,8 @@ std::vector<std::uint8_t> attribute_seams(MeshView view) {
     if (!type) return;
     mark(mesh, seams, [&](HalfedgeHandle left, HalfedgeHandle right) {
       // The corner in which a half-edge ends, and that of the same vertex in the triangle beyond.
-      return !type->equal(property, index(left), index(mesh.prev_halfedge_handle(right))) ||
-             !type->equal(property, index(right), index(mesh.prev_halfedge_handle(left)));
+      return !type->equal(property, number_of(left), number_of(mesh.prev_halfedge_handle(right))) ||
+             !type->equal(property, number_of(right), number_of(mesh.prev_halfedge_handle(left)));
     });
   });
   for (auto it = mesh.fprops_begin(); it != mesh.fprops_end(); ++it) {
@@ -54,7 +54,7 @@ std::vector<std::uint8_t> attribute_seams(MeshView view) {
     const PropertyType* type = types.find(property);
     if (!type) continue;
     mark(mesh, seams, [&](HalfedgeHandle left, HalfedgeHandle right) {
-      return !type->equal(property, index(mesh.face_handle(left)), index(mesh.face_handle(right)));
+      return !type->equal(property, number_of(mesh.face_handle(left)), number_of(mesh.face_handle(right)));
     });
   }
   return seams;

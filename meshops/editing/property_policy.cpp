@@ -5,7 +5,7 @@
 namespace tri {
 namespace {
 
-PropertyPolicy make_standard() {
+PropertyPolicy make_standard_policy() {
   PropertyPolicy policy;
   policy.set_initial(property::point_index, -1);
   policy.set(property::uv, NewValue::copy);
@@ -16,7 +16,7 @@ PropertyPolicy make_standard() {
 }  // namespace
 
 const PropertyPolicy& PropertyPolicy::standard() {
-  static const PropertyPolicy policy = make_standard();
+  static const PropertyPolicy policy = make_standard_policy();
   return policy;
 }
 

@@ -28,7 +28,7 @@ void add_eigen(PropertyTypes& types) {
           Eigen::Matrix<Scalar, 4, 4>>(types);
 }
 
-PropertyTypes make_standard() {
+PropertyTypes make_standard_types() {
   PropertyTypes types(nullptr);
   add_vectors<signed char>(types);
   add_vectors<unsigned char>(types);
@@ -51,7 +51,7 @@ PropertyTypes make_standard() {
 }  // namespace
 
 const PropertyTypes& PropertyTypes::standard() {
-  static const PropertyTypes types = make_standard();
+  static const PropertyTypes types = make_standard_types();
   return types;
 }
 

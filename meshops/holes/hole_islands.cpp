@@ -59,7 +59,7 @@ class Bed {
   std::unique_ptr<ClosestTriangle> filling_;
 };
 
-OverlapTree::Box box_of(const Hole& hole) {
+OverlapTree::Box rim_box(const Hole& hole) {
   OverlapTree::Box box;
   for (const Vec3& p : hole.points()) box.grow(p);
   return box;
@@ -74,7 +74,7 @@ std::vector<int> find_hole_islands(MeshView view, std::span<const Hole> holes,
   std::vector<OverlapTree::Box> boxes;
   std::vector<double> width;
   for (const Hole& hole : holes) {
-    OverlapTree::Box box = box_of(hole);
+    OverlapTree::Box box = rim_box(hole);
     width.push_back((box.hi - box.lo).norm());
     // An island may rise out of a flat hole.
     const Vec3 margin = 0.5 * width.back() * Vec3(1, 1, 1);
@@ -88,7 +88,7 @@ std::vector<int> find_hole_islands(MeshView view, std::span<const Hole> holes,
   std::vector<std::unique_ptr<Bed>> beds(holes.size());
   for (std::size_t i = 0; i < islands.size(); ++i) {
     const Hole island(view, islands[i]);
-    const OverlapTree::Box box = box_of(island);
+    const OverlapTree::Box box = rim_box(island);
     double nearest = std::numeric_limits<double>::infinity();
     tree.overlapping(box, 0, [&](std::uint32_t h) {
       if ((box.hi - box.lo).norm() >= width[h]) return;

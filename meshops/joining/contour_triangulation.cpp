@@ -7,7 +7,7 @@
 namespace tri {
 namespace {
 
-using Diagonal = std::pair<int, int>;
+using IndexPair = std::pair<int, int>;
 
 class ContourStrip {
  public:
@@ -49,7 +49,7 @@ class ContourStrip {
   }
 
   /// Diagonals between mutually nearest vertices, in order, from (0, 0) to (m, n).
-  std::vector<Diagonal> cuts() const {
+  std::vector<IndexPair> cuts() const {
     const double infinity = std::numeric_limits<double>::infinity();
     std::vector<std::pair<double, int>> of_first(m_ + 1, {infinity, -1}), of_second(n_ + 1, {infinity, -1});
     const auto walk = by_diagonal(false);
@@ -64,7 +64,7 @@ class ContourStrip {
       ++(s == ContourStep::first ? i : j);
       meet();
     }
-    std::vector<Diagonal> result{{0, 0}};
+    std::vector<IndexPair> result{{0, 0}};
     for (int a = 0; a <= m_; ++a) {
       const int b = of_first[a].second;
       if (of_second[b].second == a && a > result.back().first && b > result.back().second && a < m_ && b < n_)
@@ -74,7 +74,7 @@ class ContourStrip {
     return result;
   }
 
-  std::optional<std::vector<ContourStep>> by_arc_length(const std::vector<Diagonal>& cuts) const {
+  std::optional<std::vector<ContourStep>> by_arc_length(const std::vector<IndexPair>& cuts) const {
     const auto lengths = [](std::span<const Vec3> contour) {
       std::vector<double> sum(contour.size(), 0);
       for (std::size_t k = 1; k < contour.size(); ++k) sum[k] = sum[k - 1] + (contour[k] - contour[k - 1]).norm();

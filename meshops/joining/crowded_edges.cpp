@@ -14,13 +14,13 @@ namespace tri {
 namespace {
 
 using Side = std::int32_t;
-constexpr Side none = SidePairs::none;
+constexpr Side unpaired = SidePairs::none;
 constexpr std::uint32_t unset = 0xffffffff;
 
 /// One side of a crowded edge, in angular order.
 struct Spoke {
   double angle = 0;
-  Side side = none;
+  Side side = unpaired;
   bool along = false;  ///< runs from the lower to the higher point
   std::uint32_t shell = 0;
   std::size_t partner = static_cast<std::size_t>(-1);  ///< place in the order
@@ -114,7 +114,7 @@ class CrowdPairing {
         pace_();
         for (Side side = static_cast<Side>(3 * queue[i]); side < static_cast<Side>(3 * queue[i] + 3); ++side) {
           const Side other = pairs_.twin[side];
-          if (other == none || shell_[static_cast<std::size_t>(other / 3)] != unset) continue;
+          if (other == unpaired || shell_[static_cast<std::size_t>(other / 3)] != unset) continue;
           shell_[static_cast<std::size_t>(other / 3)] = static_cast<std::uint32_t>(shells_);
           queue.push_back(static_cast<std::uint32_t>(other / 3));
         }

@@ -6,6 +6,7 @@
 
 #include "meshops/holes/boundary_loops.hpp"
 #include "meshops/search/nearest_points.hpp"
+#include "meshops/shape/triangle_normal.hpp"
 
 namespace tri {
 namespace {
@@ -14,11 +15,6 @@ constexpr double widest_base_angle =
     165 * std::numbers::pi / 180;  // beyond, a step runs along the contour instead of across the gap
 constexpr double lone_base_angle = 120 * std::numbers::pi / 180;  // the same where the other contour has turned away
 constexpr double least_common_course = 0.6;                       // cosine; below, a contour turns away, as at a corner
-
-Vec3 unit(const Vec3& v) {
-  const double length = v.norm();
-  return length > 0 ? v / length : Vec3(0, 0, 0);
-}
 
 /// The boundary as seen from the start of one of its half-edges.
 struct Station {
@@ -33,7 +29,7 @@ Vec3 face_normal(MeshView view, FaceHandle f) {
   const Vec3& a = view.point(view.mesh.from_vertex_handle(h));
   const Vec3& b = view.point(view.mesh.to_vertex_handle(h));
   const Vec3& c = view.point(view.mesh.to_vertex_handle(view.mesh.next_halfedge_handle(h)));
-  return unit((b - a) % (c - a));
+  return unit_or_zero((b - a) % (c - a));
 }
 
 double angle(const Vec3& a, const Vec3& b) {
@@ -50,7 +46,7 @@ struct Front {
 }  // namespace
 
 double turn_at(MeshView view, HalfedgeHandle base, VertexHandle a, VertexHandle b, VertexHandle c) {
-  const Vec3 n = unit((view.point(b) - view.point(a)) % (view.point(c) - view.point(a)));
+  const Vec3 n = unit_or_zero((view.point(b) - view.point(a)) % (view.point(c) - view.point(a)));
   if (n.sqrnorm() == 0) return std::numbers::pi;
   const Vec3 beside = face_normal(view, view.mesh.face_handle(view.mesh.opposite_halfedge_handle(base)));
   return beside.sqrnorm() == 0 ? 0 : angle(n, beside);
@@ -84,10 +80,10 @@ std::vector<FacingContours::Seed> FacingContours::seeds() const {
       Station s;
       s.halfedge = h;
       s.point = view_.point(mesh.from_vertex_handle(h));
-      s.along = unit(view_.point(mesh.to_vertex_handle(h)) - view_.point(mesh.from_vertex_handle(before)));
+      s.along = unit_or_zero(view_.point(mesh.to_vertex_handle(h)) - view_.point(mesh.from_vertex_handle(before)));
       const Vec3 normal = face_normal(view_, mesh.face_handle(mesh.opposite_halfedge_handle(h))) +
                           face_normal(view_, mesh.face_handle(mesh.opposite_halfedge_handle(before)));
-      s.outward = unit(normal % s.along);
+      s.outward = unit_or_zero(normal % s.along);
       s.loop = static_cast<int>(loop_length.size());
       s.arc = arc;
       arc += (view_.point(mesh.to_vertex_handle(h)) - s.point).norm();
@@ -177,8 +173,8 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
   };
   const auto course = [&](HalfedgeHandle base, VertexHandle near, bool along) -> Course {
     const VertexHandle middle = far_end(base, near);
-    return {unit(view_.point(middle) - view_.point(near)),
-            unit(view_.point(far_end(beyond(base, along), middle)) - view_.point(near))};
+    return {unit_or_zero(view_.point(middle) - view_.point(near)),
+            unit_or_zero(view_.point(far_end(beyond(base, along), middle)) - view_.point(near))};
   };
   const auto turns_away = [&](const Course& own, const Course& other, const Vec3& strip) {
     return std::max({own.one | strip, own.two | strip, own.one | other.one, own.two | other.two}) < least_common_course;
@@ -247,7 +243,7 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
       const Course p_course = course(front.p_base, front.p, front.forward),
                    q_course = course(front.q_base, front.q, !front.forward);
       const Vec3 strip =
-          trail.size() < 3 ? unit(p_course.two + q_course.two) : unit(trail.back() - trail[trail.size() - 3]);
+          trail.size() < 3 ? unit_or_zero(p_course.two + q_course.two) : unit_or_zero(trail.back() - trail[trail.size() - 3]);
       const bool p_ends = p_round || !free(front.p_base) || turns_away(p_course, q_course, strip);
       const bool q_ends = q_round || !free(front.q_base) || turns_away(q_course, p_course, strip);
       Step p, q;

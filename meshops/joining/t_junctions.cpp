@@ -12,7 +12,7 @@
 namespace tri {
 namespace {
 
-using Box = OverlapTree::Box;
+using PointBox = OverlapTree::Box;
 
 struct LooseSide {
   std::uint32_t triangle = 0, side = 0;
@@ -51,7 +51,7 @@ bool is_on(const Vec3& a, const Vec3& b, const Vec3& p, double tolerance, double
 }  // namespace
 
 double length_tolerance(const Soup& soup, double absolute, double relative) {
-  Box all;
+  PointBox all;
   for (const Vec3& p : soup.points) all.grow(p);
   return soup.points.empty() ? absolute : std::max(absolute, relative * (all.hi - all.lo).norm());
 }
@@ -60,7 +60,7 @@ std::vector<TJunction> find_t_junctions(const Soup& soup, double tolerance, Cont
   const std::vector<LooseSide> sides = loose_sides(soup, context);
   Pace pace(context);
   std::vector<char> loose(soup.points.size(), 0);
-  std::vector<Box> boxes;
+  std::vector<PointBox> boxes;
   std::vector<std::uint32_t> items;
   for (std::uint32_t i = 0; i < sides.size(); ++i, pace()) {
     const Triangle& t = soup.triangles[sides[i].triangle];
@@ -77,7 +77,7 @@ std::vector<TJunction> find_t_junctions(const Soup& soup, double tolerance, Cont
     if (v % 4096 == 0) context.checkpoint();
     if (!loose[v]) continue;
     const Vec3& p = soup.points[v];
-    Box around;
+    PointBox around;
     around.grow(p - Vec3(tolerance, tolerance, tolerance));
     around.grow(p + Vec3(tolerance, tolerance, tolerance));
     tree.overlapping(around, 0, [&](std::uint32_t i) {

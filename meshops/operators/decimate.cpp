@@ -25,10 +25,10 @@ constexpr double boundary_weight = 10;  // of a boundary's upright planes agains
 constexpr double crease_weight = 1;
 constexpr double shape_weight = 1e-10;  // of the length of an edge: decides where there is no error, on planes
 constexpr double rounding = 1e-12;      // of the area times the squared length: costs that differ by less are equal
-constexpr double least_cosine = 0.25;   // between the normals of a triangle before and after
-constexpr std::size_t block_size = 8192;
+constexpr double least_turn_cosine = 0.25;   // between the normals of a triangle before and after
+constexpr std::size_t queue_block = 8192;
 
-enum class Kind : std::uint8_t { free, line, fixed };
+enum class VertexKind : std::uint8_t { free, line, fixed };
 
 enum class Reason : std::uint8_t { none, line, error, topology, flip, needle, numbers, count };
 
@@ -94,15 +94,15 @@ class Decimator {
     reasons_.assign(mesh_.n_edges(), Reason::none);
     moved_.assign(mesh_.n_vertices(), 0);
     find_unit();
-    for_each_block(context_, "", mesh_.n_edges(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", mesh_.n_edges(), queue_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         lines_[i] = features.edges[i] == EdgeClass::boundary || (!seams.empty() && seams[i]);
     });
-    for_each_block(context_, "", mesh_.n_vertices(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", mesh_.n_vertices(), queue_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) prepare_vertex(VertexHandle(static_cast<int>(i)), features);
     });
     std::vector<std::uint32_t> bucket(mesh_.n_edges());
-    for_each_block(context_, "", mesh_.n_edges(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", mesh_.n_edges(), queue_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const EdgeHandle e(static_cast<int>(i));
         bucket[i] = BucketQueue::none;
@@ -118,8 +118,8 @@ class Decimator {
 
   /// Takes the mean length of the edges as the unit in which costs are compared.
   void find_unit() {
-    std::vector<std::array<double, 2>> sums((mesh_.n_edges() + block_size - 1) / block_size, {0, 0});
-    for_each_block(context_, "", mesh_.n_edges(), block_size,
+    std::vector<std::array<double, 2>> sums((mesh_.n_edges() + queue_block - 1) / queue_block, {0, 0});
+    for_each_block(context_, "", mesh_.n_edges(), queue_block,
                    [&](std::size_t block, std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i) {
                        const EdgeHandle e(static_cast<int>(i));
@@ -138,7 +138,7 @@ class Decimator {
     const auto i = static_cast<std::size_t>(v.idx());
     Quadric& q = quadrics_[i];
     q = Quadric();
-    kinds_[i] = Kind::free;
+    kinds_[i] = VertexKind::free;
     const HalfedgeHandle first = mesh_.halfedge_handle(v);
     if (mesh_.status(v).deleted() || !first.is_valid()) return;
     int lines = 0;
@@ -159,8 +159,8 @@ class Decimator {
       }
       h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
     } while (h != first);
-    if (lines > 0) kinds_[i] = lines == 2 ? Kind::line : Kind::fixed;
-    if (!view_.may_remove(v)) kinds_[i] = Kind::fixed;
+    if (lines > 0) kinds_[i] = lines == 2 ? VertexKind::line : VertexKind::fixed;
+    if (!view_.may_remove(v)) kinds_[i] = VertexKind::fixed;
   }
 
   /// Adds the plane through an edge at the origin that stands upright on a triangle at it.
@@ -187,8 +187,8 @@ class Decimator {
       h = mesh_.opposite_halfedge_handle(h);
       std::swap(goes, stays);
     }
-    const Kind a = kinds_[goes.idx()], b = kinds_[stays.idx()];
-    if (a == Kind::fixed || (a == Kind::line && !lines_[e.idx()])) return Reason::line;
+    const VertexKind a = kinds_[goes.idx()], b = kinds_[stays.idx()];
+    if (a == VertexKind::fixed || (a == VertexKind::line && !lines_[e.idx()])) return Reason::line;
     c.halfedge = h;
     Vec3 half = (view_.point(stays) - view_.point(goes)) * 0.5;
     Quadric q = quadrics_[goes.idx()];
@@ -272,7 +272,7 @@ class Decimator {
       if (end == 1 && c.place == ends[1]) break;  // what is around it does not change
       for (const auto& [a, b] : stars_.fan(end)) {
         const Vec3 &p = view_.point(a), &q = view_.point(b);
-        if (!directions_agree((q - p) % (ends[end] - p), (q - p) % (c.place - p), least_cosine)) return Reason::flip;
+        if (!directions_agree((q - p) % (ends[end] - p), (q - p) % (c.place - p), least_turn_cosine)) return Reason::flip;
         worst = std::min(worst, roundness(p, q, c.place));
       }
     }
@@ -359,7 +359,7 @@ class Decimator {
   double per_unit_ = 1;
   double greatest_ = 0;
   PlainVector<Quadric> quadrics_;    ///< per vertex, relative to it
-  PlainVector<Kind> kinds_;          ///< per vertex
+  PlainVector<VertexKind> kinds_;          ///< per vertex
   PlainVector<std::uint8_t> lines_;  ///< per edge: on a boundary or seam
   std::vector<Reason> reasons_;      ///< per edge: why it was refused last
   std::vector<std::uint8_t> moved_;  ///< per vertex

@@ -14,7 +14,7 @@
 namespace tri {
 namespace {
 
-constexpr int passes = 4;
+constexpr int solid_passes = 4;
 
 constexpr std::size_t named = 10;
 
@@ -81,7 +81,7 @@ bool go_on(Attempt& a, const MakeSolidOptions& options, int finest, bool floats,
   a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, true, a.fillings)
                .run(again, false, context);
   if (again.unchanged()) return false;
-  double& count = a.report.figures["passes"];
+  double& count = a.report.figures["solid_passes"];
   count = std::max(1.0, count) + 1;
   a.report.touched_faces = again.touched_faces;
   a.report.vertices_added += again.vertices_added;
@@ -105,7 +105,7 @@ Attempt attempt(const Soup& soup, const MakeSolidOptions& options, int finest, b
   a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, false, a.fillings)
                .run(a.report, tell_progress, context);
   // What the rounding of new vertices made cross is cut again.
-  for (int pass = 1; pass < passes && !a.left.none(); ++pass)
+  for (int pass = 1; pass < solid_passes && !a.left.none(); ++pass)
     if (!go_on(a, options, finest, floats, context)) break;
   if (floats) round_points(a.soup, a.report);
   if (floats || !a.left.none()) look(a, context);
@@ -119,7 +119,7 @@ Attempt attempt_with_floats(const Soup& soup, const Soup& as_floats, const MakeS
   if (best.clean()) return best;
   Attempt coarse = attempt(as_floats, options, GridFrame::floats, true, false, context);
   if (coarse.better_than(best)) best = std::move(coarse);
-  for (int pass = 1; pass < passes && !best.clean(); ++pass) {
+  for (int pass = 1; pass < solid_passes && !best.clean(); ++pass) {
     Attempt next = best;
     if (!go_on(next, options, GridFrame::floats, true, context)) break;
     round_points(next.soup, next.report);

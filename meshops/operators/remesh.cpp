@@ -22,15 +22,15 @@
 namespace tri {
 namespace {
 
-using Kind = EdgeLines::Kind;
+using EdgeKind = EdgeLines::Kind;
 
 constexpr double longest = 4.0 / 3, shortest = 4.0 / 5;  // of the length aimed at
-constexpr double least_cosine = 0.2;                     // between the normals of a triangle before and after
+constexpr double least_tilt_cosine = 0.2;                     // between the normals of a triangle before and after
 constexpr double flip_cosine = 0.8;                      // between the normals of two triangles before and after a flip
 constexpr double least_roundness = 0.2;  // of triangles made by a flip or collapse, unless worse ones go
 constexpr double still = 1e-6;           // of the length: vertices that would move less stay
 constexpr double most_triangles = 1 << 28;
-constexpr std::size_t block_size = 2048;
+constexpr std::size_t remesh_block = 2048;
 
 class Remesher {
  public:
@@ -64,7 +64,7 @@ class Remesher {
       smooth();
     }
     values_.carry(
-        view_, *surface_, near_, [&](VertexHandle v) { return kinds_[index(v)] != Kind::free; },
+        view_, *surface_, near_, [&](VertexHandle v) { return kinds_[index(v)] != EdgeKind::free; },
         [&] { checkpoint(1); });
     describe();
     context_.progress("remesh", 1);
@@ -182,12 +182,12 @@ class Remesher {
     const Vec3 middle = 0.5 * (view_.point(a) + view_.point(b));
     const std::size_t new_edge = mesh_.n_edges();
     const VertexHandle v = split_edge(view_, e, middle, 0.5);
-    kinds_.resize(mesh_.n_vertices(), Kind::free);
+    kinds_.resize(mesh_.n_vertices(), EdgeKind::free);
     near_.resize(mesh_.n_vertices(), near_[index(a)]);
     line_.resize(mesh_.n_edges(), EdgeLines::none);
     if (options_.adaptive) sizes_.resize(mesh_.n_vertices(), 0.5 * (sizes_[index(a)] + sizes_[index(b)]));
     if (line != EdgeLines::none) {
-      kinds_[index(v)] = Kind::along;
+      kinds_[index(v)] = EdgeKind::along;
       line_[new_edge] = line;
       // Where a line comes close to itself the nearest place may be no place between.
       const Vec3 place = lines_->closest(middle, line);
@@ -211,7 +211,7 @@ class Remesher {
       if (!mesh_.is_boundary(h)) {
         const Vec3 &p = view_.point(mesh_.to_vertex_handle(h)),
                    &q = view_.point(mesh_.to_vertex_handle(mesh_.next_halfedge_handle(h)));
-        if (!directions_agree((q - p) % (view_.point(v) - p), (q - p) % (to - p), least_cosine)) return false;
+        if (!directions_agree((q - p) % (view_.point(v) - p), (q - p) % (to - p), least_tilt_cosine)) return false;
       }
       h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
     } while (h != first);
@@ -241,9 +241,9 @@ class Remesher {
   double collapse_cost(HalfedgeHandle h) {
     constexpr double no = std::numeric_limits<double>::infinity();
     const VertexHandle goes = mesh_.from_vertex_handle(h), stays = mesh_.to_vertex_handle(h);
-    const Kind a = kinds_[index(goes)], b = kinds_[index(stays)];
+    const EdgeKind a = kinds_[index(goes)], b = kinds_[index(stays)];
     const std::int32_t line = line_[index(mesh_.edge_handle(h))];
-    if (a == Kind::fixed || (a == Kind::along && (line == EdgeLines::none || b == Kind::free))) return no;
+    if (a == EdgeKind::fixed || (a == EdgeKind::along && (line == EdgeLines::none || b == EdgeKind::free))) return no;
     stars_.look_at(h);
     const Vec3 from = view_.point(goes), to = view_.point(stays);
     double most = 0, worst = 1, worst_before = 1;
@@ -251,7 +251,7 @@ class Remesher {
       const Vec3 &p = view_.point(v), &q = view_.point(w);
       most = std::max({most, (p - to).norm() / size_of(v, stays), (q - to).norm() / size_of(w, stays)});
       if (most > longest) return no;
-      if (!directions_agree((q - p) % (from - p), (q - p) % (to - p), least_cosine)) return no;
+      if (!directions_agree((q - p) % (from - p), (q - p) % (to - p), least_tilt_cosine)) return no;
       worst = std::min(worst, roundness(p, q, to));
       worst_before = std::min(worst_before, roundness(p, q, from));
     }
@@ -262,7 +262,7 @@ class Remesher {
         const Vec3 &p = view_.point(v), &q = view_.point(w);
         if (too_far((p + q + to) / 3.0, near_[index(v)]) || too_far(0.5 * (p + to), near_[index(v)])) return no;
       }
-    if (bounded() && a == Kind::along && line_stands_off(goes, stays, line)) return no;
+    if (bounded() && a == EdgeKind::along && line_stands_off(goes, stays, line)) return no;
     return most;
   }
 
@@ -294,7 +294,7 @@ class Remesher {
   void equalise_valences() {
     const std::size_t n = mesh_.n_vertices();
     std::vector<int> excess(n, 0);  // of the valence over what suits the angle around the vertex
-    for_each_block(context_, "", n, block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", n, remesh_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) excess[i] = valence_excess(VertexHandle(static_cast<int>(i)));
     });
     for (int sweep = 0; sweep < 4; ++sweep) {
@@ -324,7 +324,7 @@ class Remesher {
   int valence_excess(VertexHandle v) const {
     const HalfedgeHandle first = mesh_.halfedge_handle(v);
     if (mesh_.status(v).deleted() || !first.is_valid()) return 0;
-    if (kinds_[index(v)] == Kind::free) {
+    if (kinds_[index(v)] == EdgeKind::free) {
       int valence = 0;
       HalfedgeHandle h = first;
       do {
@@ -371,7 +371,7 @@ class Remesher {
     to_.resize(n);
     hits_.resize(n);
     moves_.assign(n, 0);
-    for_each_block(context_, "", n, block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", n, remesh_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) find_place(VertexHandle(static_cast<int>(i)));
     });
     take_back_folds();
@@ -380,7 +380,7 @@ class Remesher {
       if (!moves_[i]) continue;
       const VertexHandle v(static_cast<int>(i));
       set_point(view_, v, to_[i]);
-      if (kinds_[i] == Kind::along) continue;
+      if (kinds_[i] == EdgeKind::along) continue;
       near_[i] = hits_[i];
       if (options_.adaptive) {
         const Triangle& t = triangles_[hits_[i]];
@@ -394,9 +394,9 @@ class Remesher {
   void find_place(VertexHandle v) {
     const std::size_t i = index(v);
     const HalfedgeHandle first = mesh_.halfedge_handle(v);
-    if (mesh_.status(v).deleted() || !first.is_valid() || kinds_[i] == Kind::fixed) return;
+    if (mesh_.status(v).deleted() || !first.is_valid() || kinds_[i] == EdgeKind::fixed) return;
     const Vec3& p = view_.point(v);
-    if (kinds_[i] == Kind::along) {
+    if (kinds_[i] == EdgeKind::along) {
       Vec3 sum(0, 0, 0);
       double total = 0;
       std::int32_t line = EdgeLines::none;
@@ -449,7 +449,7 @@ class Remesher {
     const std::size_t n = mesh_.n_faces();
     std::vector<char> bad(n);
     for (;;) {
-      for_each_block(context_, "", n, block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for_each_block(context_, "", n, remesh_block, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) bad[i] = spoiled(FaceHandle(static_cast<int>(i)));
       });
       bool any = false;
@@ -469,7 +469,7 @@ class Remesher {
     const Vec3 &p = view_.point(a), &q = view_.point(b), &r = view_.point(c);
     const Vec3 x = place_of(a), y = place_of(b), z = place_of(c);
     const Vec3 before = (q - p) % (r - p), after = (y - x) % (z - x);
-    if (!directions_agree(before, after, least_cosine)) return true;
+    if (!directions_agree(before, after, least_tilt_cosine)) return true;
     if (const double shape = roundness(x, y, z); shape < least_roundness && shape < roundness(p, q, r)) return true;
     if (!bounded()) return false;
     const std::uint32_t hint = near_[index(a)];
@@ -488,8 +488,8 @@ class Remesher {
       double farthest = 0, smallest = std::numbers::pi;
       std::size_t faces = 0;
     };
-    std::vector<Part> parts((n + block_size - 1) / block_size);
-    for_each_block(context_, "", n, block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    std::vector<Part> parts((n + remesh_block - 1) / remesh_block);
+    for_each_block(context_, "", n, remesh_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
       Part& part = parts[block];
       for (std::size_t i = begin; i < end; ++i) {
         const FaceHandle f(static_cast<int>(i));
@@ -562,7 +562,7 @@ class Remesher {
   std::vector<double> input_sizes_;  ///< per vertex of the input, if adaptive
 
   std::vector<double> sizes_;        ///< per vertex, if adaptive
-  std::vector<Kind> kinds_;          ///< per vertex
+  std::vector<EdgeKind> kinds_;          ///< per vertex
   std::vector<std::uint32_t> near_;  ///< per vertex: a triangle of the input close by
   std::vector<std::int32_t> line_;   ///< per edge
   std::vector<Vec3> to_;             ///< per vertex: where it would move

@@ -35,8 +35,8 @@ struct Measure {
   }
 };
 
-/// Shape of one triangle: its sides in order of length.
-struct Shape {
+/// TriangleForm of one triangle: its sides in order of length.
+struct TriangleForm {
   int longest = 0, shortest = 0;  // side k runs from corner k to the next
   double longest_squared = 0, shortest_squared = 0;
   double height_squared = 0;  // over the longest side
@@ -81,8 +81,8 @@ class Cleaner {
     return std::move(report_);
   }
 
-  static Shape shape_of(const Soup& soup, const Triangle& t) {
-    Shape s;
+  static TriangleForm shape_of(const Soup& soup, const Triangle& t) {
+    TriangleForm s;
     for (int k = 0; k < 3; ++k) {
       const double squared = (soup.points[t[(k + 1) % 3]] - soup.points[t[k]]).sqrnorm();
       if (k == 0 || squared > s.longest_squared) s.longest_squared = squared, s.longest = k;
@@ -92,7 +92,7 @@ class Cleaner {
     return s;
   }
 
-  static bool is_flat(const Soup& soup, const Triangle& t, const Shape& s, double flatness) {
+  static bool is_flat(const Soup& soup, const Triangle& t, const TriangleForm& s, double flatness) {
     if (s.height_squared <= flatness * flatness * s.longest_squared) return true;
     // Far above the rounding of an area the corners are not on one line.
     return s.height_squared <= 1e-24 * s.longest_squared &&
@@ -101,7 +101,7 @@ class Cleaner {
 
   static Measure measure(const Soup& soup, const Triangle& t, const RemoveDegenerateOptions& options) {
     if (repeats_vertex(t)) return {1, 0};
-    const Shape s = shape_of(soup, t);
+    const TriangleForm s = shape_of(soup, t);
     if (s.shortest_squared <= options.shortest_edge * options.shortest_edge || is_flat(soup, t, s, options.flatness))
       return {1, s.longest_squared};
     return {};
@@ -173,7 +173,7 @@ class Cleaner {
       kill(other);
       return true;
     }
-    const Shape shape = shape_of(work_, corners);
+    const TriangleForm shape = shape_of(work_, corners);
     const bool flat = is_flat(work_, corners, shape, options_.flatness);
     const bool needle = !flat || shape.shortest_squared <= needle_share * needle_share * shape.longest_squared;
     if (needle) return collapse(corners, shape) || (flat && split(t, shape));
@@ -181,7 +181,7 @@ class Cleaner {
   }
 
   /// Takes a cap out by splitting its longest side, in all other triangles there, at the vertex opposite.
-  bool split(std::uint32_t t, const Shape& shape) {
+  bool split(std::uint32_t t, const TriangleForm& shape) {
     const Triangle corners = work_.triangles[t];
     const std::uint32_t a = corners[static_cast<std::size_t>(shape.longest)],
                         b = corners[static_cast<std::size_t>((shape.longest + 1) % 3)],
@@ -224,7 +224,7 @@ class Cleaner {
   };
 
   /// What a collapse would do, if it is allowed.
-  std::optional<Collapse> check(std::uint32_t goes, std::uint32_t stays, const Shape& shape) {
+  std::optional<Collapse> check(std::uint32_t goes, std::uint32_t stays, const TriangleForm& shape) {
     Collapse c{goes, stays, 0, 0, triangles_at_edge(goes, stays), {}};
     const double squared = (point(goes) - point(stays)).sqrnorm();
     if (c.vanish.size() == 2 && special(goes)) {
@@ -298,7 +298,7 @@ class Cleaner {
     return true;
   }
 
-  bool collapse(const Triangle& corners, const Shape& shape) {
+  bool collapse(const Triangle& corners, const TriangleForm& shape) {
     std::optional<Collapse> best;
     for (int k = 0; k < 3; ++k) {
       if (k == shape.longest && shape.longest != shape.shortest) continue;

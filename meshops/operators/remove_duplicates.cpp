@@ -24,10 +24,6 @@ struct SortedTriangle {
 };
 
 /// Whether an even number of swaps sorts the corners.
-bool is_even(const Triangle& t) {
-  return (t[0] < t[1]) == ((t[1] < t[2]) == (t[0] < t[2]));
-}
-
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 using Pair = std::array<std::uint32_t, 2>;  // the two triangles, the first one first
 

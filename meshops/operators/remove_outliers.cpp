@@ -11,7 +11,7 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 16384;
+constexpr std::size_t outlier_block = 16384;
 
 /// Mean distance of a point to its `count` nearest other points.
 double mean_distance(const NearestPoints& tree, const std::vector<Vec3>& points, std::size_t i, std::size_t count) {
@@ -54,7 +54,7 @@ Report remove_outliers(PointSet& set, const RemoveOutliersOptions& options, Cont
   const NearestPoints tree(set.points, &context);
   context.progress("remove outliers", 0.2);
   std::vector<double> distance(n);
-  for_each_block(context, "measure distances", n, block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+  for_each_block(context, "measure distances", n, outlier_block, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) distance[i] = mean_distance(tree, set.points, i, count);
   });
   // In order of the points, so that rounding is the same on any number of threads.

@@ -7,14 +7,14 @@
 #include "meshops/crossings/arrangement/grid_frame.hpp"
 #include "meshops/crossings/solid_check.hpp"
 #include "meshops/crossings/triangle_pieces.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
-constexpr double first_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
-constexpr int passes = 3;
+constexpr double cutting_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
+constexpr int cutting_passes = 3;
 
 /// The triangles on the grid, and which point is which vertex.
 struct OnGrid {
@@ -24,11 +24,11 @@ struct OnGrid {
 
   explicit OnGrid(const Soup& soup) : frame(soup.points, GridFrame::doubles) {
     std::map<GridPoint, std::uint32_t> numbers;
-    std::vector<std::uint32_t> number(soup.points.size(), none);
+    std::vector<std::uint32_t> number(soup.points.size(), no_index);
     for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
       Triangle t = soup.triangles[i];
       for (std::uint32_t& v : t) {
-        if (number[v] == none) {
+        if (number[v] == no_index) {
           const auto [it, added] =
               numbers.emplace(frame.to_grid(soup.points[v]), static_cast<std::uint32_t>(complex.points.size()));
           if (added) complex.points.push_back(it->first), vertex_of_point.push_back(v);
@@ -45,7 +45,7 @@ TrianglePieces pieces_of(const Soup& soup, const OnGrid& grid, bool restore) {
   TrianglePieces pieces;
   for (std::uint32_t p = 0; p < grid.complex.points.size(); ++p) {
     const bool old = p < grid.vertex_of_point.size();
-    pieces.original.push_back(old ? grid.vertex_of_point[p] : none);
+    pieces.original.push_back(old ? grid.vertex_of_point[p] : no_index);
     pieces.places.push_back(old && restore ? soup.points[grid.vertex_of_point[p]] : grid.frame.to_space(grid.complex.points[p]));
   }
   for (const CrossingComplex::Face& f : grid.complex.faces) {
@@ -92,9 +92,9 @@ Report remove_self_intersections(Soup& soup, const RemoveSelfIntersectionsOption
   const double farthest = options.max_deviation * (high - low).norm();
 
   Soup work = soup;
-  for (int pass = 0; pass < passes && left > 0; ++pass) {
+  for (int pass = 0; pass < cutting_passes && left > 0; ++pass) {
     OnGrid grid(work);
-    const CrossingReport cut = resolve_crossings(grid.complex, grid.frame.steps_in(first_reach_share), farthest / grid.frame.step(), context);
+    const CrossingReport cut = resolve_crossings(grid.complex, grid.frame.steps_in(cutting_reach_share), farthest / grid.frame.step(), context);
     TrianglePieces pieces = pieces_of(work, grid, true);
     std::size_t now = crossings(pieces, context);
     if (now > 0) {

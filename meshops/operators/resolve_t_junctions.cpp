@@ -36,9 +36,9 @@ std::vector<Triangle> pieces(const Triangle& t, const std::array<std::vector<std
   return {t};
 }
 
-class Resolver {
+class JunctionResolver {
  public:
-  Resolver(const Soup& soup, Report& report) : work_(soup), report_(report) {
+  JunctionResolver(const Soup& soup, Report& report) : work_(soup), report_(report) {
     for (std::uint32_t i = 0; i < soup.points.size(); ++i) cluster_wanted_.push_back(0);
   }
 
@@ -142,7 +142,7 @@ Report resolve_t_junctions(Soup& soup, const ResolveTJunctionsOptions& options, 
     context.progress("resolve-t-junctions", 1);
     return report;
   }
-  Resolver resolver(soup, report);
+  JunctionResolver resolver(soup, report);
   Pace pace(context, 1024);
   for (std::size_t begin = 0, end = 0; begin < junctions.size(); begin = end) {
     pace();

@@ -14,22 +14,19 @@
 #include "meshops/editing/vertex_rows.hpp"
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/shape/curvature_flow.hpp"
 #include "meshops/shape/features.hpp"
 
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 4096;
+constexpr std::size_t smooth_block = 4096;
 constexpr int steps_back = 4;  ///< of which the last goes all the way
 constexpr double pass_band = 0.1;
 constexpr double strongest_taubin = 0.65;  ///< from about 0.7 on the step back outgrows the one forward
 
 using Part = CurvatureFlow::Part;
-
-bool is_finite(const Vec3& p) {
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
 
 class Smoother {
  public:
@@ -55,7 +52,7 @@ class Smoother {
  private:
   template <class Body>
   void for_vertices(const Body& body) {
-    for_each_block(context_, "", before_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", before_.size(), smooth_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) body(i);
     });
   }
@@ -139,8 +136,8 @@ class Smoother {
 
   /// Of the entries of all rows; 0 if there is none.
   double mean_length() {
-    std::vector<double> sums((before_.size() + block_size - 1) / block_size, 0);
-    for_each_block(context_, "", before_.size(), block_size,
+    std::vector<double> sums((before_.size() + smooth_block - 1) / smooth_block, 0);
+    for_each_block(context_, "", before_.size(), smooth_block,
                    [&](std::size_t block, std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i)
                        for (std::uint32_t k = rows_.begin[i]; k < rows_.begin[i + 1]; ++k)
@@ -193,7 +190,7 @@ class Smoother {
   /// last to where they were.
   void hold_back() {
     std::vector<char> queued(mesh_.n_faces(), 0);
-    for_each_block(context_, "", queued.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", queued.size(), smooth_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const FaceHandle f(static_cast<int>(i));
         queued[i] = !mesh_.status(f).deleted() && is_folded(points_, f) && !is_folded(before_, f);
@@ -258,9 +255,9 @@ class Smoother {
       std::size_t turned = 0;
       bool open = false;
     };
-    std::vector<Sums> blocks((mesh_.n_faces() + block_size - 1) / block_size);
+    std::vector<Sums> blocks((mesh_.n_faces() + smooth_block - 1) / smooth_block);
     const Vec3 origin = before_[report_.touched_vertices.front()];  // close by, so that less is rounded off
-    for_each_block(context_, "", mesh_.n_faces(), block_size, [&](std::size_t b, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", mesh_.n_faces(), smooth_block, [&](std::size_t b, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const FaceHandle f(static_cast<int>(i));
         if (mesh_.status(f).deleted()) continue;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshops/joining/joined_points.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/pace.hpp"
 #include "meshops/search/nearest_points.hpp"
 #include "meshops/soup_edit.hpp"
@@ -12,7 +13,6 @@
 namespace tri {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 constexpr JoinRules rules{.join_crowds = false, .opposite_only = true};
 
 std::vector<std::uint32_t> own_clusters(std::size_t points) {
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> mutually_nearest(const Soup& soup, double tolerance, 
     places.push_back(soup.points[i]);
   }
   const NearestPoints tree(places, &context);
-  std::vector<std::uint32_t> nearest(places.size(), none);
+  std::vector<std::uint32_t> nearest(places.size(), no_index);
   std::vector<NearestPoints::Neighbor> near;
   for (std::uint32_t i = 0; i < places.size(); ++i) {
     if (i % 4096 == 0) context.checkpoint();
@@ -72,7 +72,7 @@ std::vector<std::uint32_t> mutually_nearest(const Soup& soup, double tolerance, 
   }
   std::vector<std::uint32_t> cluster = own_clusters(soup.points.size());
   for (std::uint32_t i = 0; i < nearest.size(); ++i)
-    if (nearest[i] != none && nearest[nearest[i]] == i && i < nearest[i]) cluster[source[nearest[i]]] = source[i];
+    if (nearest[i] != no_index && nearest[nearest[i]] == i && i < nearest[i]) cluster[source[nearest[i]]] = source[i];
   return cluster;
 }
 

@@ -15,7 +15,7 @@ namespace tri {
 namespace {
 
 /// What grew until it stopped at another stretch may go on after that was joined.
-constexpr int passes = 4;
+constexpr int contour_passes = 4;
 
 class Stitcher {
  public:
@@ -40,7 +40,7 @@ class Stitcher {
     }
     const bool find = options_.pairs == ContourPairs::found || options_.pairs == ContourPairs::both ||
                       (options_.pairs == ContourPairs::automatic && pairs.empty());
-    for (int pass = 0; find && pass < passes; ++pass)
+    for (int pass = 0; find && pass < contour_passes; ++pass)
       if (!join_found(pass)) break;
     close_corners();
     if (joined_ > 0) report_.figures["contours joined"] = joined_;
@@ -91,7 +91,7 @@ class Stitcher {
       context_.checkpoint();
       if (i % 16 == 0)
         context_.progress("stitch-contours",
-                          0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / passes);
+                          0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / contour_passes);
       if (is_corner(seeds[i].first) || is_corner(seeds[i].second)) continue;
       const auto run = facing_.grow(seeds[i]);
       if (run) join(*run);

@@ -12,22 +12,19 @@
 #include "meshops/editing/vertex_rows.hpp"
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/shape/features.hpp"
 #include "meshops/shape/subdivision_stencils.hpp"
 
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 4096;
-constexpr double most_faces = 5e8;  ///< then half-edges still have an index
+constexpr std::size_t subdivide_block = 4096;
+constexpr double most_faces = 5e8;  ///< then half-edges still have an index_of
 
 template <class Handle>
-std::size_t index(Handle h) {
+std::size_t index_of(Handle h) {
   return static_cast<std::size_t>(h.idx());
-}
-
-bool is_finite(const Vec3& p) {
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 class Subdivider {
@@ -76,12 +73,12 @@ class Subdivider {
   void refine() {
     choose_edges();
     edge_points_.resize(splits_.size());
-    for_each_block(context_, "", splits_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context_, "", splits_.size(), subdivide_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         if (splits_[i]) edge_points_[i] = edge_point(EdgeHandle(static_cast<int>(i)));
     });
     vertex_points_.resize(mesh_.n_vertices());
-    for_each_block(context_, "", vertex_points_.size(), block_size,
+    for_each_block(context_, "", vertex_points_.size(), subdivide_block,
                    [&](std::size_t, std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i)
                        vertex_points_[i] = vertex_point(VertexHandle(static_cast<int>(i)));
@@ -93,8 +90,8 @@ class Subdivider {
 
   void choose_edges() {
     splits_.assign(mesh_.n_edges(), 0);
-    std::vector<std::size_t> refused((splits_.size() + block_size - 1) / block_size, 0);
-    for_each_block(context_, "", splits_.size(), block_size,
+    std::vector<std::size_t> refused((splits_.size() + subdivide_block - 1) / subdivide_block, 0);
+    for_each_block(context_, "", splits_.size(), subdivide_block,
                    [&](std::size_t block, std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i) {
                        const EdgeHandle e(static_cast<int>(i));
@@ -129,7 +126,7 @@ class Subdivider {
       return old;
     bool all_split = true;
     for_each_outgoing(mesh_, v,
-                      [&](HalfedgeHandle h) { all_split = all_split && splits_[index(mesh_.edge_handle(h))]; });
+                      [&](HalfedgeHandle h) { all_split = all_split && splits_[index_of(mesh_.edge_handle(h))]; });
     if (!all_split) return old;
     const Vec3 result = loop_vertex_point(view_, features_, v);
     return is_finite(result) ? result : old;
@@ -171,13 +168,13 @@ class Subdivider {
   }
 
   void touch(FaceHandle f) {
-    if (f.is_valid() && index(f) < face_touched_.size()) face_touched_[index(f)] = 1;
+    if (f.is_valid() && index_of(f) < face_touched_.size()) face_touched_[index_of(f)] = 1;
   }
 
   /// A triangle whose three edges were split has its four pieces when the inner edge between a new and an old vertex
   /// joins the two other new ones.
   void turn_inner_edges() {
-    const auto is_new = [&](VertexHandle v) { return index(v) >= first_new_vertex_; };
+    const auto is_new = [&](VertexHandle v) { return index_of(v) >= first_new_vertex_; };
     for (std::size_t i = 0; i < inner_.size(); ++i) {
       if (i % 1024 == 0) {
         context_.checkpoint();

@@ -112,7 +112,7 @@ std::uint64_t count_moved(const Soup& soup, const JoinedPoints& joined) {
   return moved;
 }
 
-void set_figure(Report& report, const char* name, std::uint64_t count) {
+void add_figure(Report& report, const char* name, std::uint64_t count) {
   if (count > 0) report.figures[name] += static_cast<double>(count);
 }
 void set_skipped(Report& report, const char* reason, std::uint64_t count) {
@@ -159,8 +159,8 @@ Report weld(Soup& soup, const WeldOptions& options, Context& context) {
   else
     joined = join_points(soup, coincident, {.join_crowds = true}, context);
   std::vector<std::uint32_t> first = std::move(joined.first);
-  set_figure(report, "edges joined", joined.edges_joined);
-  set_figure(report, "edges of three or more triangles made", joined.edges_crowded);
+  add_figure(report, "edges joined", joined.edges_joined);
+  add_figure(report, "edges of three or more triangles made", joined.edges_crowded);
   std::uint64_t apart = joined.points_apart;
   context.progress("weld", 0.4);
 
@@ -176,7 +176,7 @@ Report weld(Soup& soup, const WeldOptions& options, Context& context) {
       for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = shape.points[j.first[i]];
       return moved;
     });
-    set_figure(report, "edges joined", near.edges_joined);
+    add_figure(report, "edges joined", near.edges_joined);
     set_skipped(report, "triangle would turn over", turned);
     report.vertices_moved = count_moved(shape, near);
     apart = near.points_apart;

@@ -8,13 +8,12 @@
 #include <numeric>
 
 #include "meshops/error.hpp"
+#include "meshops/limits.hpp"
 
 namespace tri {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
-
-Soup vertices_of(const Soup& soup, const std::vector<std::uint32_t>& chosen) {
+Soup points_alone(const Soup& soup, const std::vector<std::uint32_t>& chosen) {
   Soup result;
   result.points.reserve(chosen.size());
   for (const std::uint32_t v : chosen) result.points.push_back(soup.points[v]);
@@ -79,7 +78,7 @@ Soup thinned_points(const Soup& soup, std::size_t most) {
   std::vector<std::uint32_t> chosen(most);
   for (std::size_t i = 0; i < most; ++i)
     chosen[i] = static_cast<std::uint32_t>(static_cast<std::uint64_t>(i) * soup.points.size() / most);
-  return vertices_of(soup, chosen);
+  return points_alone(soup, chosen);
 }
 
 Soup thinned_triangles(const Soup& soup, std::size_t most) {
@@ -104,16 +103,16 @@ Soup thinned_triangles(const Soup& soup, std::size_t most) {
     triangles = gathered(soup, stands_for);
     if (triangles.size() <= most) break;
   }
-  std::vector<std::uint32_t> place(soup.points.size(), none), chosen;
+  std::vector<std::uint32_t> place(soup.points.size(), no_index), chosen;
   for (Triangle& t : triangles)
     for (std::uint32_t& v : t) {
-      if (place[v] == none) {
+      if (place[v] == no_index) {
         place[v] = static_cast<std::uint32_t>(chosen.size());
         chosen.push_back(v);
       }
       v = place[v];
     }
-  Soup result = vertices_of(soup, chosen);
+  Soup result = points_alone(soup, chosen);
   result.triangles = std::move(triangles);
   return result;
 }

@@ -9,18 +9,18 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 1 << 16;  // entries
+constexpr std::size_t sort_block = 1 << 16;  // entries
 constexpr int digit_bits = 11;
 constexpr std::uint32_t digits = 1 << digit_bits;
 
 // One stable pass: every block counts its digits, and writes to the places that the counts before leave.
 void sort_digit(std::vector<KeyedIndex>& entries, std::vector<KeyedIndex>& other, int shift) {
-  const std::size_t blocks = (entries.size() + block_size - 1) / block_size;
+  const std::size_t blocks = (entries.size() + sort_block - 1) / sort_block;
   std::vector<std::array<std::uint32_t, digits>> place(blocks);
   const auto for_blocks = [&](const auto& visit) {
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-      const std::size_t end = std::min((block + 1) * block_size, entries.size());
-      for (std::size_t i = block * block_size; i < end; ++i)
+      const std::size_t end = std::min((block + 1) * sort_block, entries.size());
+      for (std::size_t i = block * sort_block; i < end; ++i)
         visit(place[block], entries[i], entries[i].key >> shift & (digits - 1));
     });
   };

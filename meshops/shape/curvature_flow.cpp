@@ -9,10 +9,10 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 4096;
+constexpr std::size_t flow_block = 4096;
 constexpr double largest_weight = 1000;
 constexpr double accuracy = 1e-4;
-constexpr int most_rounds = 300;
+constexpr int most_solver_rounds = 300;
 
 /// Cotangent of the angle at c; at most `largest_weight` either way, also where the triangle has no area.
 double cotangent(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -52,7 +52,7 @@ void CurvatureFlow::weigh(Part part, const std::vector<Vec3>& points, double tim
   const OpenMesh::TriConnectivity& mesh = view_.mesh;
   if (part == Part::surface) {
     for_each_block(
-        context, "", cotangents_.size(), 2 * block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+        context, "", cotangents_.size(), 2 * flow_block, [&](std::size_t, std::size_t begin, std::size_t end) {
           for (std::size_t i = begin; i < end; ++i) {
             const HalfedgeHandle h(static_cast<int>(i));
             cotangents_[i] = 0;
@@ -65,7 +65,7 @@ void CurvatureFlow::weigh(Part part, const std::vector<Vec3>& points, double tim
         });
   }
   const double largest_line_weight = largest_weight / std::sqrt(time);
-  for_each_block(context, "", parts_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+  for_each_block(context, "", parts_.size(), flow_block, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (parts_[i] != part) continue;
       double mass = 0, sum = 0;
@@ -98,8 +98,8 @@ void CurvatureFlow::weigh(Part part, const std::vector<Vec3>& points, double tim
 
 /// Sums what `body` adds up over blocks of vertices, in the order of the blocks.
 Vec3 CurvatureFlow::sum_over(const Context& context, const std::function<void(std::size_t, std::size_t, Vec3&)>& body) {
-  std::vector<Vec3> sums((parts_.size() + block_size - 1) / block_size, Vec3(0, 0, 0));
-  for_each_block(context, "", parts_.size(), block_size,
+  std::vector<Vec3> sums((parts_.size() + flow_block - 1) / flow_block, Vec3(0, 0, 0));
+  for_each_block(context, "", parts_.size(), flow_block,
                  [&](std::size_t block, std::size_t begin, std::size_t end) { body(begin, end, sums[block]); });
   Vec3 total(0, 0, 0);
   for (const Vec3& sum : sums) total += sum;
@@ -123,7 +123,7 @@ void CurvatureFlow::solve(Part part, std::vector<Vec3>& points, double time, con
   });
   const Vec3 enough = error * (accuracy * accuracy);
   const auto unfinished = [&] { return error[0] > enough[0] || error[1] > enough[1] || error[2] > enough[2]; };
-  for (int round = 0; round < most_rounds && unfinished(); ++round) {
+  for (int round = 0; round < most_solver_rounds && unfinished(); ++round) {
     const Vec3 energy = sum_over(context, [&](std::size_t begin, std::size_t end, Vec3& sum) {
       for (std::size_t i = begin; i < end; ++i) {
         if (parts_[i] != part) continue;
@@ -149,7 +149,7 @@ void CurvatureFlow::solve(Part part, std::vector<Vec3>& points, double time, con
     for (int k = 0; k < 3; ++k)
       if (error[k] > 0) keep[k] = next[k] / error[k];
     error = next;
-    for_each_block(context, "", parts_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context, "", parts_.size(), flow_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         if (parts_[i] == part && diagonal_[i] > 0) direction_[i] = residual_[i] / diagonal_[i] + keep * direction_[i];
     });

@@ -12,8 +12,8 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 4096;
-constexpr double sliver_height = 1e-6;  ///< of the diagonal
+constexpr std::size_t features_block = 4096;
+constexpr double sliver_height = 1e-6;  ///< of the mesh_diagonal
 constexpr int noise_depth = 2;
 constexpr int slivers_crossed = 32;  ///< more in a row have no normal
 
@@ -25,15 +25,15 @@ Handle handle(std::size_t i) {
 }
 
 /// Diagonal of the box around all finite points of faces.
-double diagonal(MeshView view, const Context& context) {
+double mesh_diagonal(MeshView view, const Context& context) {
   const Connectivity& mesh = view.mesh;
   const std::size_t count = mesh.n_vertices();
   const double inf = std::numeric_limits<double>::infinity();
   struct Box {
     Vec3 low, high;
   };
-  std::vector<Box> boxes((count + block_size - 1) / block_size, {Vec3(inf, inf, inf), Vec3(-inf, -inf, -inf)});
-  for_each_block(context, "", count, block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
+  std::vector<Box> boxes((count + features_block - 1) / features_block, {Vec3(inf, inf, inf), Vec3(-inf, -inf, -inf)});
+  for_each_block(context, "", count, features_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto v = handle<VertexHandle>(i);
       const Vec3& p = view.point(v);
@@ -85,7 +85,7 @@ class SideNormals {
  public:
   SideNormals(MeshView view, const std::vector<Vec3>& normals, const Context& context)
       : mesh_(view.mesh), normals_(normals), areas_(normals.size(), 0) {
-    for_each_block(context, "", areas_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context, "", areas_.size(), features_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto f = handle<FaceHandle>(i);
         if (mesh_.status(f).deleted()) continue;
@@ -129,9 +129,9 @@ double angle_between(const Vec3& m, const Vec3& n) {
 void drop_noise(MeshView view, const std::vector<Vec3>& normals, const FeatureRules& rules, const Context& context,
                 std::vector<EdgeClass>& edges) {
   const SideNormals sides(view, normals, context);
-  std::vector<std::size_t> noise((edges.size() + block_size - 1) / block_size, 0);
+  std::vector<std::size_t> noise((edges.size() + features_block - 1) / features_block, 0);
   std::vector<char> weak(edges.size(), 0);
-  for_each_block(context, "", edges.size(), block_size, [&](std::size_t block, std::size_t begin, std::size_t end) {
+  for_each_block(context, "", edges.size(), features_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (edges[i] != EdgeClass::crease) continue;
       const auto e = handle<EdgeHandle>(i);
@@ -181,7 +181,7 @@ void drop_short_creases(const Connectivity& mesh, std::size_t least, const Conte
                       static_cast<std::uint32_t>(mesh.to_vertex_handle(h).idx())};
   };
   for (std::size_t e = 0; e < edges.size(); ++e) {
-    if (e % block_size == 0) context.checkpoint();
+    if (e % features_block == 0) context.checkpoint();
     if (edges[e] == EdgeClass::crease) sets.join(ends(e)[0], ends(e)[1]);
   }
   std::vector<std::size_t> size(mesh.n_vertices(), 0);
@@ -196,9 +196,9 @@ void drop_short_creases(const Connectivity& mesh, std::size_t least, const Conte
 
 std::vector<Vec3> robust_face_normals(MeshView view, const Context& context) {
   const Connectivity& mesh = view.mesh;
-  const double least_height = sliver_height * diagonal(view, context);
+  const double least_height = sliver_height * mesh_diagonal(view, context);
   std::vector<Vec3> normals(mesh.n_faces(), Vec3(0, 0, 0));
-  for_each_block(context, "", mesh.n_faces(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+  for_each_block(context, "", mesh.n_faces(), features_block, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       FaceHandle f = handle<FaceHandle>(i);
       if (mesh.status(f).deleted()) continue;
@@ -220,7 +220,7 @@ Features find_features(MeshView view, const FeatureRules& rules, const Context& 
   features.edges.assign(mesh.n_edges(), EdgeClass::smooth);
   features.vertices.assign(mesh.n_vertices(), VertexClass::smooth);
   const bool any_crease = rules.angle < std::numbers::pi;
-  for_each_block(context, "", mesh.n_edges(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+  for_each_block(context, "", mesh.n_edges(), features_block, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto e = handle<EdgeHandle>(i);
       if (mesh.status(e).deleted()) continue;
@@ -240,7 +240,7 @@ Features find_features(MeshView view, const FeatureRules& rules, const Context& 
   if (rules.min_crease_edges > 1)
     drop_short_creases(mesh, static_cast<std::size_t>(rules.min_crease_edges), context, features.edges);
   const double corner_cosine = rules.corner_angle < std::numbers::pi ? std::cos(rules.corner_angle) : -2;
-  for_each_block(context, "", mesh.n_vertices(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+  for_each_block(context, "", mesh.n_vertices(), features_block, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       features.vertices[i] = class_of(view, features.edges, handle<VertexHandle>(i), corner_cosine);
   });

@@ -12,7 +12,7 @@
 namespace tri {
 namespace {
 
-struct Use {
+struct SideUse {
   std::int32_t triangle = -1;
   int corner = 0;
 };
@@ -27,7 +27,7 @@ void drop_degenerate(EditMesh& mesh) {
   for (const std::uint32_t i : degenerate) {
     const auto t = static_cast<std::int32_t>(i);
     const Triangle q = mesh.triangles[i];
-    int same = -1;  // corner opposite the edge without length
+    int same = -1;  // corner corner_opposite the edge without length
     for (int k = 0; k < 3; ++k)
       if (q[(k + 1) % 3] == q[(k + 2) % 3]) same = k;
     const std::int32_t a = mesh.neighbors[i][(same + 1) % 3], b = mesh.neighbors[i][(same + 2) % 3];
@@ -71,7 +71,7 @@ void split_fans(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain, std::
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t v = mesh.triangles[i][k];
       if (v >= on_chain.size() || !on_chain[v] || (seen[i] >> k & 1)) continue;
-      std::vector<Use> fan;
+      std::vector<SideUse> fan;
       bool closed = false;
       const auto walk = [&](int turn) {  // 1 counter-clockwise, 2 clockwise
         auto t = static_cast<std::int32_t>(i);
@@ -98,15 +98,15 @@ void split_fans(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain, std::
         mesh.vertices.back().point = -1;
       }
       taken[v] = 1;
-      for (const Use& u : fan) {
+      for (const SideUse& u : fan) {
         seen[static_cast<std::size_t>(u.triangle)] |= static_cast<std::uint8_t>(1 << u.corner);
         mesh.triangles[static_cast<std::size_t>(u.triangle)][u.corner] = use;
       }
     }
 }
 
-// Corner of triangle t opposite its directed edge (a, b).
-int opposite(const EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_t b) {
+// Corner of triangle t corner_opposite its directed edge (a, b).
+int corner_opposite(const EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_t b) {
   const Triangle& q = mesh.triangles[static_cast<std::size_t>(t)];
   for (int k = 0; k < 3; ++k)
     if (q[(k + 1) % 3] == a && q[(k + 2) % 3] == b) return k;
@@ -116,7 +116,7 @@ int opposite(const EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_
 // Halves the triangle (a, b, c) from c to m on its edge (a, b): it keeps (a, m, c). Returns the new one, (m, b, c).
 // Unlike EditMesh::split_edge it tells edges by their vertices, for two triangles may share two edges here.
 std::int32_t halve(EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_t b, std::uint32_t m) {
-  const int k = opposite(mesh, t, a, b);
+  const int k = corner_opposite(mesh, t, a, b);
   const auto i = static_cast<std::size_t>(t);
   const std::uint32_t c = mesh.triangles[i][k];
   const std::int32_t beyond = mesh.neighbors[i][(k + 1) % 3];  // across (b, c)
@@ -126,7 +126,7 @@ std::int32_t halve(EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_
   const auto crease = [&](int corner) { return static_cast<std::uint8_t>(mesh.creases[i] >> (corner % 3) & 1); };
   mesh.creases.push_back(static_cast<std::uint8_t>(crease(k + 1) | crease(k) << 2));  // across (b, c) and (m, b)
   mesh.creases[i] &= static_cast<std::uint8_t>(~(1 << ((k + 1) % 3)));
-  if (beyond >= 0) mesh.neighbors[static_cast<std::size_t>(beyond)][opposite(mesh, beyond, c, b)] = half;
+  if (beyond >= 0) mesh.neighbors[static_cast<std::size_t>(beyond)][corner_opposite(mesh, beyond, c, b)] = half;
   mesh.triangles[i][(k + 2) % 3] = m;
   mesh.neighbors[i][(k + 1) % 3] = half;
   for (const std::uint32_t v : {m, b, c}) mesh.vertex_triangle[v] = half;
@@ -149,20 +149,20 @@ void split_edge(EditMesh& mesh, std::int32_t t, int k) {
     return;
   }
   const std::int32_t other = halve(mesh, n, b, a, m);  // n = (b, m, d), other = (m, a, d)
-  mesh.neighbors[static_cast<std::size_t>(t)][opposite(mesh, t, a, m)] = other;
+  mesh.neighbors[static_cast<std::size_t>(t)][corner_opposite(mesh, t, a, m)] = other;
   mesh.neighbors[static_cast<std::size_t>(other)][2] = t;
   mesh.neighbors[static_cast<std::size_t>(half)][2] = n;
-  mesh.neighbors[static_cast<std::size_t>(n)][opposite(mesh, n, b, m)] = half;
+  mesh.neighbors[static_cast<std::size_t>(n)][corner_opposite(mesh, n, b, m)] = half;
 }
 
 // Around a pole or a narrow closed face two edges may join the same two vertices: all but one get a vertex in the
 // middle.
 // Inside a face no edge is double.
-void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain,
+void split_double_seam_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain,
                         std::span<const std::uint32_t> chained_triangles) {
   struct Edge {
     std::uint32_t a, b;
-    Use use;
+    SideUse use;
   };
   std::vector<Edge> edges;
   const auto chained = [&](std::uint32_t v) { return v >= on_chain.size() || on_chain[v]; };
@@ -185,7 +185,7 @@ void split_double_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chai
       if (n >= 0) around.push_back(n);
     for (const std::int32_t t : around) {
       const Triangle& q = mesh.triangles[static_cast<std::size_t>(t)];
-      const int k = opposite(mesh, t, e.a, e.b), back = opposite(mesh, t, e.b, e.a);
+      const int k = corner_opposite(mesh, t, e.a, e.b), back = corner_opposite(mesh, t, e.b, e.a);
       const auto is = [&](int c, std::uint32_t x, std::uint32_t y) {
         return q[(c + 1) % 3] == x && q[(c + 2) % 3] == y;
       };
@@ -214,7 +214,7 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
   for (const FacePatch& patch : patches) total += patch.triangles.size();
   mesh.triangles.resize(total);
   mesh.neighbors.resize(total);
-  std::vector<std::vector<std::vector<Use>>> uses(model.edges.size());
+  std::vector<std::vector<std::vector<SideUse>>> uses(model.edges.size());
   std::size_t begin = 0;
   for (std::size_t f = 0; f < patches.size(); ++f) {
     const FacePatch& patch = patches[f];
@@ -264,7 +264,7 @@ EditMesh glue_patches(const CadModel& model, const std::vector<FacePatch>& patch
   });
   split_fans(mesh, on_chain, chained);
   mesh.index_vertices();
-  split_double_edges(mesh, on_chain, chained);
+  split_double_seam_edges(mesh, on_chain, chained);
   return mesh;
 }
 

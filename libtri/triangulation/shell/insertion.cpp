@@ -10,11 +10,11 @@
 #include "libtri/triangulation/delaunay.hpp"
 #include "libtri/triangulation/shell/triangle_geometry.hpp"
 #include "meshops/error.hpp"
+#include "meshops/limits.hpp"
 
 namespace tri {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 using Barycentric = std::array<double, 3>;
 
 /// Feet keep this share of a triangle's height away from its sides, so that the hull of a triangle's points is the triangle.

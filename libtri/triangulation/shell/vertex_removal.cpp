@@ -9,6 +9,7 @@
 
 #include "libtri/triangulation/shell/triangle_cost.hpp"
 #include "meshops/holes/polygon_triangulation.hpp"
+#include "meshops/limits.hpp"
 
 namespace tri {
 namespace {
@@ -16,8 +17,6 @@ namespace {
 constexpr std::size_t largest_ring = 48;
 /// Larger stars wait until removals around them have made them smaller; at last they lose ears first.
 constexpr std::size_t largest_fan = 4096;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 struct Plan {
   double cost = infinity;  ///< how much the star's cost rises
   std::vector<Triangle> patch;

@@ -22,13 +22,13 @@ constexpr std::size_t reach_doublings = 7;
 constexpr int tidy_passes = 4;
 constexpr std::size_t pairs_to_grow = 500;  ///< more than twice as many as at first, and these: the cuts make it worse
 
-EdgeKey key_of(std::uint32_t a, std::uint32_t b) {
+EdgeKey edge_key_of(std::uint32_t a, std::uint32_t b) {
   return static_cast<EdgeKey>(std::min(a, b)) << 32 | std::max(a, b);
 }
 
-class Resolver {
+class CrossingResolver {
  public:
-  Resolver(CrossingComplex& complex, double first_reach, double most_reach, Context& context)
+  CrossingResolver(CrossingComplex& complex, double first_reach, double most_reach, Context& context)
       : c_(complex), first_reach_(first_reach), most_reach_(most_reach), context_(context) {}
 
   CrossingReport run() {
@@ -252,7 +252,7 @@ class Resolver {
         if (facing <= 0) inside = false;
         if (length(m) > reach_ * std::sqrt(static_cast<double>(whole))) continue;
         if (along <= 0 || along >= whole) continue;
-        edge_points_.push_back({key_of(ids[k], ids[(k + 1) % 3]), keep(at_share(a, b, along, whole), v)});
+        edge_points_.push_back({edge_key_of(ids[k], ids[(k + 1) % 3]), keep(at_share(a, b, along, whole), v)});
         done = true;
       }
       if (!done && inside && !flat_[g]) face_points_.push_back({g, keep(exact(p), v)});
@@ -283,7 +283,7 @@ class Resolver {
       whole += static_cast<Int128>(b[d] - a[d]) * (b[d] - a[d]);
     }
     if (along <= 0 || along >= whole) return;
-    edge_points_.push_back({key_of(v[side], v[(side + 1) % 3]), keep(at_share(a, b, along, whole), v[(side + 2) % 3])});
+    edge_points_.push_back({edge_key_of(v[side], v[(side + 1) % 3]), keep(at_share(a, b, along, whole), v[(side + 2) % 3])});
     flat_[f] = 1;
     involved_.push_back(f);
     ++pairs_;
@@ -305,7 +305,7 @@ class Resolver {
   void on_face(std::uint32_t f, TrianglePlace on, std::uint32_t point) {
     const Triangle& v = c_.faces[f].v;
     if (on == in_interior) face_points_.push_back({f, point});
-    else if (on >= 3) edge_points_.push_back({key_of(v[on - 3], v[(on - 2) % 3]), point});
+    else if (on >= 3) edge_points_.push_back({edge_key_of(v[on - 3], v[(on - 2) % 3]), point});
   }
 
   std::uint32_t number(const GridPoint& p) {
@@ -358,7 +358,7 @@ class Resolver {
       bool touched = next_point > p0 || next_segment > s0;
       if (!on_edge.empty())
         for (int k = 0; k < 3; ++k) {
-          const auto it = on_edge.find(key_of(v[k], v[(k + 1) % 3]));
+          const auto it = on_edge.find(edge_key_of(v[k], v[(k + 1) % 3]));
           if (it != on_edge.end()) sides[k] = &it->second, touched = true;
         }
       if (!touched) {
@@ -507,7 +507,7 @@ class Resolver {
 }  // namespace
 
 CrossingReport resolve_crossings(CrossingComplex& complex, double first_reach, double most_reach, Context& context) {
-  return Resolver(complex, first_reach, most_reach, context).run();
+  return CrossingResolver(complex, first_reach, most_reach, context).run();
 }
 
 }  // namespace tri

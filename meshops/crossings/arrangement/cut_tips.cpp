@@ -16,7 +16,7 @@ namespace tri {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
-constexpr double edge_share = 0.25;  ///< of the shortest edge of a fan: as far from the tip as it is cut
+constexpr double tip_share = 0.25;  ///< of the shortest edge of a fan: as far from the tip as it is cut
 /// How the cuts lean off the edges, which others may lie on, to the side that goes or is filled, as a share of how far
 /// from the tip they are. Below 0 they lean away from it, which widens a slit. Ends of slits apart.
 struct Lean {
@@ -26,7 +26,7 @@ constexpr std::array leans{Lean{0.25, 0.25}, Lean{-0.25, 0.25}, Lean{-0.25, -0.2
                            Lean{0.03, 0.03}, Lean{-0.03, 0.03}, Lean{-0.03, -0.03}};
 constexpr double slit = 0.3;     ///< length of the sum of two unit normals at an edge below which they face each other
 constexpr double least_cut = 6;  ///< grid steps
-constexpr double lowering = 0.25;
+constexpr double tip_lowering = 0.25;
 constexpr double most_heights = 25;  ///< where nothing nearer fits
 
 Vec3 unit(const Vec3& v) {
@@ -164,10 +164,10 @@ class Cutter {
     if (!fan) return false;
     double most = most_heights * height_;
     for (const std::uint32_t r : fan->ring)
-      most = std::min(most, edge_share * (vector_of(out_.points[r]) - vector_of(out_.points[v])).norm());
+      most = std::min(most, tip_share * (vector_of(out_.points[r]) - vector_of(out_.points[v])).norm());
     std::vector<double> distances;
-    for (double far = std::min(height_, most); far >= least_cut; far *= lowering) distances.push_back(far);
-    for (double far = height_ / lowering; far < most / lowering; far /= lowering)
+    for (double far = std::min(height_, most); far >= least_cut; far *= tip_lowering) distances.push_back(far);
+    for (double far = height_ / tip_lowering; far < most / tip_lowering; far /= tip_lowering)
       distances.push_back(std::min(far, most));
     for (const double far : distances)
       for (const Lean& lean : leans)

@@ -6,22 +6,18 @@
 
 #include "meshops/crossings/arrangement/grid_hash.hpp"
 #include "meshops/crossings/arrangement/settle_moves.hpp"
+#include "meshops/limits.hpp"
+#include "meshops/shape/triangle_normal.hpp"
 
 namespace tri {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
 constexpr double edge_share = 0.25;      ///< of the shortest edge at a vertex: as far as it moves
 constexpr double inradius_share = 0.1;   ///< of a triangle: as high as its middle is raised
 constexpr double least_slope = 0.2;      ///< of a vertex's direction towards the side of each sheet
 constexpr double along_slope = 1e-3;     ///< of it away from a side that counts as along
 constexpr int slope_steps = 40;
 constexpr double least_share = 1.0 / 64; ///< of the way of a vertex that may stay: what is less is not worth it
-
-Vec3 unit(const Vec3& v) {
-  const double length = v.norm();
-  return length > 0 ? v / length : Vec3(0, 0, 0);
-}
 
 class Parter {
  public:
@@ -50,17 +46,17 @@ class Parter {
     std::unordered_map<GridPoint, std::uint32_t, GridHash> count;
     for (std::size_t v = 0; v < used.size(); ++v)
       if (used[v]) ++count[out_.points[v]];
-    std::vector<std::uint32_t> number(out_.points.size(), none);
+    std::vector<std::uint32_t> number(out_.points.size(), no_index);
     std::vector<std::vector<std::uint32_t>> around;
     for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
       for (const std::uint32_t v : out_.triangles[t]) {
         if (count[out_.points[v]] < 2) continue;
-        if (number[v] == none) number[v] = static_cast<std::uint32_t>(around.size()), around.emplace_back();
+        if (number[v] == no_index) number[v] = static_cast<std::uint32_t>(around.size()), around.emplace_back();
         around[number[v]].push_back(t);
       }
     std::vector<VertexMove> moves;
     for (std::uint32_t v = 0; v < number.size(); ++v)
-      if (number[v] != none) moves.push_back(move_of(v, around[number[v]]));
+      if (number[v] != no_index) moves.push_back(move_of(v, around[number[v]]));
     std::erase_if(moves, [](const VertexMove& m) { return m.height < 1; });
     settle(moves, context);
     out_.moved.assign(out_.points.size(), 0);
@@ -77,7 +73,7 @@ class Parter {
         const double length = (vector_of(out_.points[c[k]]) - vector_of(out_.points[c[(k + 1) % 3]])).norm();
         move.height = std::min(move.height, edge_share * length);
       }
-      const Vec3 n = unit((vector_of(out_.points[c[1]]) - vector_of(out_.points[c[0]])) %
+      const Vec3 n = unit_or_zero((vector_of(out_.points[c[1]]) - vector_of(out_.points[c[0]])) %
                           (vector_of(out_.points[c[2]]) - vector_of(out_.points[c[0]])));
       if (b_.sheet[t] == 0) solids.push_back(-n);
       else sheets.push_back(n * b_.sheet[t]);
@@ -95,7 +91,7 @@ class Parter {
   static double direction_towards(const std::vector<Vec3>& sides, Vec3& direction) {
     Vec3 at(0, 0, 0);
     for (const Vec3& s : sides) at += s;
-    at = unit(at);
+    at = unit_or_zero(at);
     double best = -2;
     for (int step = 0; step < slope_steps; ++step) {
       double least = 2;
@@ -104,7 +100,7 @@ class Parter {
         if (const double slope = at | sides[i]; slope < least) least = slope, worst = i;
       if (least > best) best = least, direction = at;
       if (least >= least_slope) break;
-      at = unit(at + sides[worst] * 0.5);
+      at = unit_or_zero(at + sides[worst] * 0.5);
     }
     return best;
   }
@@ -114,11 +110,11 @@ class Parter {
   static bool direction_along(const std::vector<Vec3>& sides, Vec3& direction) {
     Vec3 at(0, 0, 0);
     for (const Vec3& s : sides) at += s;
-    at = unit(at);
+    at = unit_or_zero(at);
     for (int step = 0; step < slope_steps; ++step)
       for (const Vec3& s : sides) at -= s * std::min(0.0, at | s);
     if (at.norm() < least_slope) return false;
-    at = unit(at);
+    at = unit_or_zero(at);
     for (const Vec3& s : sides)
       if ((at | s) < -along_slope) return false;
     direction = at;
@@ -166,7 +162,7 @@ class Parter {
     VertexMove m{static_cast<std::uint32_t>(out_.points.size()), (a * la + b * lb + c * lc) / (la + lb + lc),
            n * (b_.sheet[t] / twice_area), std::max(1.0, std::min(height_, inradius_share * inradius)), false};
     out_.points.push_back(out_.points[v[0]]);
-    out_.point.push_back(none);
+    out_.point.push_back(no_index);
     raised_from_.push_back(b_.face[t]);
     out_.triangles[t] = {v[0], v[1], m.vertex};
     for (int k = 1; k < 3; ++k) {

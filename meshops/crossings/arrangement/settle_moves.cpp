@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "meshops/crossings/arrangement/triangle_meeting.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/search/overlap_tree.hpp"
 
 namespace tri {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
 constexpr double lowering = 0.25;  ///< of the way of what makes something cross
 constexpr int most_rounds = 200;
 constexpr int last_sweeps = 2;
@@ -21,7 +21,7 @@ class Settler {
         triangles_(triangles),
         moves_(moves),
         least_(least),
-        owner_(points.size(), none),
+        owner_(points.size(), no_index),
         around_(moves.size()),
         places_((place_all(), points)),
         tree_(boxes(), all_items()) {}
@@ -79,7 +79,7 @@ class Settler {
     }
     for (std::uint32_t t = 0; t < triangles_.size(); ++t)
       for (const std::uint32_t v : triangles_[t])
-        if (owner_[v] != none) around_[owner_[v]].push_back(t);
+        if (owner_[v] != no_index) around_[owner_[v]].push_back(t);
   }
 
   void move(std::uint32_t i, double height) {
@@ -153,7 +153,7 @@ class Settler {
     std::vector<char> bad(moves_.size(), 0);
     const auto reject = [&](std::uint32_t t) {
       for (const std::uint32_t v : triangles_[t])
-        if (owner_[v] != none) bad[owner_[v]] = 1;
+        if (owner_[v] != no_index) bad[owner_[v]] = 1;
     };
     for (std::uint32_t i = 0; i < moves_.size(); ++i)
       if (moves_[i].height >= 1 && places_.crowded(moves_[i].vertex)) bad[i] = 1;

@@ -5,11 +5,10 @@
 #include <numeric>
 
 #include "meshops/crossings/arrangement/edge_rings.hpp"
+#include "meshops/limits.hpp"
 
 namespace tri {
 namespace {
-
-constexpr std::uint32_t none = 0xffffffffu;
 
 /// One sheet at an edge: a triangle of the result and which of its corners the edge starts and ends at.
 struct Sheet {
@@ -37,8 +36,8 @@ class Builder {
  private:
   /// The triangles of the result: each face once where in and out meet, else twice or not at all.
   void choose() {
-    at_front_.assign(c_.faces.size(), none);
-    at_back_.assign(c_.faces.size(), none);
+    at_front_.assign(c_.faces.size(), no_index);
+    at_back_.assign(c_.faces.size(), no_index);
     for (std::uint32_t f = 0; f < c_.faces.size(); ++f) {
       const bool front = labels_.inside[f][0] != 0, back = labels_.inside[f][1] != 0;
       if (front != back) {
@@ -76,7 +75,7 @@ class Builder {
     std::vector<Sheet> sheets;
     for (std::uint32_t i = rings.first[edge]; i < rings.first[edge + 1]; ++i) {
       const EdgeRings::Wing& w = rings.wings[i];
-      if (at_front_[w.face] == none) continue;
+      if (at_front_[w.face] == no_index) continue;
       const Triangle& v = c_.faces[w.face].v;
       std::uint32_t low = v[w.side], high = v[(w.side + 1) % 3];
       if (!w.forward) std::swap(low, high);
@@ -130,11 +129,11 @@ class Builder {
   void number() {
     const auto points = static_cast<std::uint32_t>(c_.points.size());
     for (std::uint32_t p = 0; p < points; ++p) out_.vertices.push_back({p, c_.points[p]});
-    std::vector<std::uint32_t> first(points, none), name(parent_.size(), none);
+    std::vector<std::uint32_t> first(points, no_index), name(parent_.size(), no_index);
     for (std::uint32_t corner = 0; corner < parent_.size(); ++corner) {
       const std::uint32_t root = find(corner), point = out_.triangles[corner / 3][corner % 3];
-      if (name[root] == none) {
-        if (first[point] == none) {
+      if (name[root] == no_index) {
+        if (first[point] == no_index) {
           first[point] = root;
           name[root] = point;
         } else {
@@ -191,7 +190,7 @@ class Builder {
   using Middles = std::map<std::uint32_t, std::array<std::uint32_t, 3>>;  ///< of triangles: at each side
 
   static std::array<std::uint32_t, 3>& at(Middles& middles, std::uint32_t triangle) {
-    return middles.try_emplace(triangle, std::array<std::uint32_t, 3>{none, none, none}).first->second;
+    return middles.try_emplace(triangle, std::array<std::uint32_t, 3>{no_index, no_index, no_index}).first->second;
   }
 
   /// A vertex in the middle between two corners of a triangle.
@@ -199,7 +198,7 @@ class Builder {
     const GridPoint &a = out_.vertices[out_.triangles[triangle][from]].place, &b = out_.vertices[out_.triangles[triangle][to]].place;
     GridPoint middle;
     for (int k = 0; k < 3; ++k) middle[k] = (a[k] + b[k]) / 2;
-    out_.vertices.push_back({none, middle});
+    out_.vertices.push_back({no_index, middle});
     ++count_middles_;
     return static_cast<std::uint32_t>(out_.vertices.size()) - 1;
   }
@@ -210,7 +209,7 @@ class Builder {
     int count = 0, lone = 0;
     for (int k = 0; k < 3; ++k) {
       ring.push_back(v[k]);
-      if (at[k] != none) ring.push_back(at[k]), ++count, lone = k;
+      if (at[k] != no_index) ring.push_back(at[k]), ++count, lone = k;
     }
     const auto put = [&](bool first, const Triangle& t) {
       if (first) {
@@ -227,7 +226,7 @@ class Builder {
       put(false, {at[lone], v[(lone + 1) % 3], v[(lone + 2) % 3]});
     } else if (count == 2) {
       int k = 0;  // the side without
-      while (at[k] != none) ++k;
+      while (at[k] != no_index) ++k;
       const std::uint32_t a = v[k], b = v[(k + 1) % 3], c = v[(k + 2) % 3], bc = at[(k + 1) % 3], ca = at[(k + 2) % 3];
       // The same diagonal in both of two sheets, which run opposite ways.
       if (out_.vertices[a].place < out_.vertices[b].place) {

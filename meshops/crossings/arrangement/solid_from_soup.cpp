@@ -10,6 +10,7 @@
 #include "meshops/crossings/arrangement/cut_tips.hpp"
 #include "meshops/crossings/arrangement/settle_moves.hpp"
 #include "meshops/crossings/triangle_pieces.hpp"
+#include "meshops/limits.hpp"
 #include "meshops/random_stream.hpp"
 #include "meshops/search/closest_triangle.hpp"
 #include "meshops/search/disjoint_sets.hpp"
@@ -18,7 +19,6 @@
 namespace tri {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
 constexpr double first_reach_share =
     0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
 constexpr double nudge_in_reaches = 8,
@@ -38,7 +38,7 @@ std::vector<Vec3> used_points(const Soup& soup) {
   return points;
 }
 
-double diagonal(const std::vector<GridPoint>& points) {
+double grid_diagonal(const std::vector<GridPoint>& points) {
   if (points.empty()) return 0;
   GridPoint low = points[0], high = points[0];
   for (const GridPoint& p : points)
@@ -82,7 +82,7 @@ SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, 
 
 void SolidFromSoup::take_triangles(Report& report) {
   std::map<GridPoint, std::uint32_t> numbers;
-  std::vector<std::uint32_t> number(soup_.points.size(), none);
+  std::vector<std::uint32_t> number(soup_.points.size(), no_index);
   std::vector<Triangle> taken;
   std::map<Triangle, std::uint32_t> seen;
   double flat = 0, duplicates = 0;
@@ -91,7 +91,7 @@ void SolidFromSoup::take_triangles(Report& report) {
     Triangle t;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = soup_.triangles[i][k];
-      if (number[v] == none) {
+      if (number[v] == no_index) {
         const auto [it, added] =
             numbers.emplace(frame_.to_grid(soup_.points[v]), static_cast<std::uint32_t>(complex_.points.size()));
         if (added) {
@@ -165,7 +165,7 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
 CrossingReport SolidFromSoup::cut_along_crossings(Report& report, Context& context) {
   const CrossingComplex given = complex_;
   const double reach = frame_.steps_in(first_reach_share);
-  const double allowed = max_deviation_ * diagonal(given.points),
+  const double allowed = max_deviation_ * grid_diagonal(given.points),
                most_reach = (again_ ? plate_share / 2 : reach_share) * allowed;
   CrossingReport best = resolve_crossings(complex_, reach, most_reach, context);
   const double farthest = std::min(nudge_in_reaches * reach, nudge_share * allowed);
@@ -201,7 +201,7 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
   }
   std::vector<Vec3> places;
   for (const GridPoint& p : complex_.points) places.push_back(vector_of(p));
-  const double reach = wall_share * max_deviation_ * diagonal(complex_.points);
+  const double reach = wall_share * max_deviation_ * grid_diagonal(complex_.points);
   const ClosestTriangle nearest(places, stays);
   std::vector<char> far(walls.size(), 0);
   DisjointSets sheets(walls.size());
@@ -228,7 +228,7 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
 /// Sheets that cannot be parted go where they are near to what stays, so that nothing touches.
 PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels, Report& report, Context& context) {
   SolidBoundaryOptions options{walls_to_keep(labels, context)};
-  const double height = std::max(1.0, plate_share * max_deviation_ * diagonal(complex_.points));
+  const double height = std::max(1.0, plate_share * max_deviation_ * grid_diagonal(complex_.points));
   constexpr int tries = 6;
   std::size_t contacts = 0;
   SheetMemory memory;
@@ -271,7 +271,7 @@ std::size_t SolidFromSoup::drop_where_near(const std::vector<std::uint32_t>& wal
     return dropped;
   }
   const ClosestTriangle nearest(places, stays);
-  const double reach = wall_share * max_deviation_ * diagonal(complex_.points);
+  const double reach = wall_share * max_deviation_ * grid_diagonal(complex_.points);
   for (const std::uint32_t f : walls) {
     const Triangle& v = complex_.faces[f].v;
     if (judge_reach({places[v[0]], places[v[1]], places[v[2]]}, nearest, reach) == ReachOfTriangle::Verdict::beyond)
@@ -312,7 +312,7 @@ void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3
   TrianglePieces pieces;
   pieces.places = places;
   for (const std::uint32_t point : boundary.point)
-    pieces.original.push_back(point < vertex_of_point_.size() ? vertex_of_point_[point] : none);
+    pieces.original.push_back(point < vertex_of_point_.size() ? vertex_of_point_[point] : no_index);
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
     const std::uint32_t piece_of = complex_.faces[boundary.face[t]].source;
     Triangle within = closed_.triangles[piece_of];

@@ -15,7 +15,7 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 4096;
+constexpr std::size_t curvature_block = 4096;
 constexpr std::int64_t most_units = std::int64_t{1} << 50;  ///< of one edge; only points that are not finite reach it
 
 class CurvatureCriterion final : public FlipCriterion {
@@ -26,13 +26,13 @@ class CurvatureCriterion final : public FlipCriterion {
         unit_(std::ldexp(diagonal(), -40)),
         normals_(mesh_.n_faces()),
         costs_(mesh_.n_edges(), 0) {
-    for_each_block(context, "", normals_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context, "", normals_.size(), curvature_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const FaceHandle f(static_cast<int>(i));
         if (!mesh_.status(f).deleted()) normals_[i] = normal(face_corners(mesh_, f));
       }
     });
-    for_each_block(context, "", costs_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context, "", costs_.size(), curvature_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const EdgeHandle e(static_cast<int>(i));
         if (!is_inner_edge(mesh_, e)) continue;

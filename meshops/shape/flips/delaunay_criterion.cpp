@@ -13,14 +13,14 @@
 namespace tri {
 namespace {
 
-constexpr std::size_t block_size = 4096;
+constexpr std::size_t delaunay_block = 4096;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 class DelaunayCriterion final : public FlipCriterion {
  public:
   DelaunayCriterion(MeshView view, double sharp_angle, const Context& context)
       : view_(view), mesh_(view.mesh), sharp_cosine_(std::cos(sharp_angle)), shapes_(mesh_.n_faces()) {
-    for_each_block(context, "", shapes_.size(), block_size, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_block(context, "", shapes_.size(), delaunay_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const FaceHandle f(static_cast<int>(i));
         if (!mesh_.status(f).deleted()) shapes_[i] = shape(face_corners(mesh_, f));
@@ -47,8 +47,8 @@ class DelaunayCriterion final : public FlipCriterion {
   }
 
   void describe(const char* when, Report& report, const Context& context) const override {
-    std::vector<std::size_t> counts((mesh_.n_edges() + block_size - 1) / block_size, 0);
-    for_each_block(context, "", mesh_.n_edges(), block_size,
+    std::vector<std::size_t> counts((mesh_.n_edges() + delaunay_block - 1) / delaunay_block, 0);
+    for_each_block(context, "", mesh_.n_edges(), delaunay_block,
                    [&](std::size_t block, std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i) {
                        const EdgeHandle e(static_cast<int>(i));

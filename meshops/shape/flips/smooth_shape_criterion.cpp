@@ -14,7 +14,7 @@ namespace tri {
 namespace {
 
 /// What the global order knows of one triangle; the same bits for the same corners, however they are listed.
-struct Shape {
+struct SmoothShape {
   Vec3 normal{0, 0, 0};  ///< not normalised; zero if the triangle has no area
   double smallest_angle = 0;
 };
@@ -87,7 +87,7 @@ class SmoothShapeCriterion final : public FlipCriterion {
     return excess_of(new_[FlipQuad::flipped_face[k]], shapes_[beyond.idx()]);
   }
 
-  Shape shape(Corners v) const {
+  SmoothShape shape(Corners v) const {
     v = lowest_first(v);
     const std::array<Vec3, 3> p{view_.point(v[0]), view_.point(v[1]), view_.point(v[2])};
     const Vec3 normal = (p[1] - p[0]) % (p[2] - p[0]);
@@ -107,7 +107,7 @@ class SmoothShapeCriterion final : public FlipCriterion {
   }
 
   /// Microradians by which the angle between two normals exceeds the sharp angle.
-  std::int64_t excess_of(const Shape& a, const Shape& b) const {
+  std::int64_t excess_of(const SmoothShape& a, const SmoothShape& b) const {
     double angle = std::numbers::pi;
     if (a.smallest_angle > 0 && b.smallest_angle > 0) {
       // The product of normals in a fixed order: with fused multiply-adds, swapping them may change the last bit.
@@ -125,9 +125,9 @@ class SmoothShapeCriterion final : public FlipCriterion {
   MeshView view_;
   OpenMesh::TriConnectivity& mesh_;
   const double sharp_angle_;
-  std::vector<Shape> shapes_;         ///< per face
+  std::vector<SmoothShape> shapes_;         ///< per face
   std::vector<std::int64_t> excess_;  ///< per edge; 0 at the boundary
-  std::array<Shape, 2> new_;          ///< of the quadrilateral judged last: (b, c, d) and (a, d, c)
+  std::array<SmoothShape, 2> new_;          ///< of the quadrilateral judged last: (b, c, d) and (a, d, c)
 };
 
 }  // namespace
