@@ -18,7 +18,10 @@ jobs() {
 build() {
   local preset=$1
   shift
-  if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}; fi
+  # What two presets compile alike is compiled once.
+  if command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache} CCACHE_BASEDIR=${CCACHE_BASEDIR-$PWD} CCACHE_NOHASHDIR=1
+  fi
   if [ ! -f "build/$preset/build.ninja" ]; then cmake --preset "$preset"; fi
   local targets=()
   if [ $# -gt 0 ]; then targets=(--target "$@"); fi
