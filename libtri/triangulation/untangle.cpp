@@ -16,7 +16,7 @@ constexpr int most_untangling_rounds = 12;
 /// Crossings are looked for again after this many flips at the latest, since flipped triangles are searched one by one.
 constexpr std::size_t most_flips_a_round = 2000;
 
-using Box = OverlapTree::Box;
+using TriangleBounds = OverlapTree::Box;
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
 /// Works on the triangles around the crossings only: a mesh of millions with a few crossings costs little more than finding them.
@@ -79,12 +79,12 @@ class Untangler {
  private:
   /// Every triangle that one of a crossing pair, or a flip of its edges, can meet.
   void collect_zone(const Pairs& pairs) {
-    std::vector<Box> boxes;
+    std::vector<TriangleBounds> boxes;
     std::vector<std::uint32_t> ids;
     for (const auto& pair : pairs) {
       if (!within_part(pair)) continue;
       for (std::uint32_t t : pair) {
-        Box box = box_of(edit_.triangles[t]);
+        TriangleBounds box = box_of(edit_.triangles[t]);
         for (std::int32_t n : edit_.neighbors[t])
           if (n >= 0) box.grow(box_of(edit_.triangles[n]));
         ids.push_back(static_cast<std::uint32_t>(boxes.size()));
@@ -105,8 +105,8 @@ class Untangler {
     return parts_.find(edit_.triangles[pair[0]][0]) == parts_.find(edit_.triangles[pair[1]][0]);
   }
 
-  Box box_of(const Triangle& t) const {
-    Box box;
+  TriangleBounds box_of(const Triangle& t) const {
+    TriangleBounds box;
     for (std::uint32_t v : t) box.grow(points_[v]);
     return box;
   }

@@ -11,10 +11,10 @@
 namespace tri {
 namespace {
 
-using Box = OverlapTree::Box;
+using FillingBox = OverlapTree::Box;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-OverlapTree tree_of(std::vector<Box> boxes) {
+OverlapTree tree_of(std::vector<FillingBox> boxes) {
   std::vector<std::uint32_t> items(boxes.size());
   std::iota(items.begin(), items.end(), 0u);
   return OverlapTree(std::move(boxes), std::move(items));
@@ -50,7 +50,7 @@ std::vector<std::vector<std::int32_t>> simple_walks(std::vector<std::vector<std:
 
 }  // namespace
 
-FillingProjection::FillingProjection(MeshView view, std::span<const VertexHandle> ring, const Box& box)
+FillingProjection::FillingProjection(MeshView view, std::span<const VertexHandle> ring, const FillingBox& box)
     : view_(view), taken_(view.mesh.n_faces(), 0), number_(view.mesh.n_vertices(), -1) {
   center_ = (box.lo + box.hi) / 2;
   Vec3 sum(0, 0, 0);
@@ -101,8 +101,8 @@ int FillingProjection::turn(const Vec2& a, const Vec2& b, const Vec2& c) const {
   return area > bound ? 1 : area < -bound ? -1 : 0;
 }
 
-Box FillingProjection::box_of(std::span<const Vec2> corners) const {
-  Box box;
+FillingBox FillingProjection::box_of(std::span<const Vec2> corners) const {
+  FillingBox box;
   for (const Vec2& c : corners) box.grow(Vec3(c[0], c[1], 0));
   const Vec3 slack(2 * error_, 2 * error_, 0);
   box.lo -= slack;
@@ -110,7 +110,7 @@ Box FillingProjection::box_of(std::span<const Vec2> corners) const {
   return box;
 }
 
-void FillingProjection::take_faces(std::span<const VertexHandle> ring, const Box& box) {
+void FillingProjection::take_faces(std::span<const VertexHandle> ring, const FillingBox& box) {
   const auto take = [&](FaceHandle f) {
     if (taken_[static_cast<std::size_t>(f.idx())]) return;
     taken_[static_cast<std::size_t>(f.idx())] = 1;
@@ -130,7 +130,7 @@ void FillingProjection::take_faces(std::span<const VertexHandle> ring, const Box
       if (!other.is_valid() || covers(other)) continue;
       std::array<Vec2, 3> projected;
       std::size_t k = 0;
-      Box near;
+      FillingBox near;
       for (auto v = view_.mesh.cfv_ccwiter(other); v.is_valid(); ++v, ++k) {
         near.grow(view_.point(*v));
         projected[k] = flat(view_.point(*v));
@@ -150,7 +150,7 @@ FillingProjection::Region FillingProjection::region_of(const std::array<Vec2, 3>
   return turn < 0 ? Region{{at[0], at[2], at[1], at[1]}, 3, true} : Region{{at[0], at[1], at[2], at[2]}, 3, turn > 0};
 }
 
-void FillingProjection::add_region(const Box& box) {
+void FillingProjection::add_region(const FillingBox& box) {
   regions_.push_back(
       {{Vec2(box.lo[0], box.lo[1]), Vec2(box.hi[0], box.lo[1]), Vec2(box.hi[0], box.hi[1]), Vec2(box.lo[0], box.hi[1])},
        4,
@@ -206,7 +206,7 @@ void FillingProjection::check_loops(const std::vector<std::vector<std::int32_t>>
       check_loop(loops[l]);
       continue;
     }
-    Box box;
+    FillingBox box;
     for (const std::int32_t v : loops[l]) box.grow(box_of(std::span(&places_[static_cast<std::size_t>(v)], 1)));
     add_region(box);
   }
@@ -216,7 +216,7 @@ void FillingProjection::check_loops(const std::vector<std::vector<std::int32_t>>
 void FillingProjection::check_loop(std::span<const std::int32_t> loop) {
   const std::size_t n = loop.size();
   const auto place = [&](std::size_t i) -> const Vec2& { return places_[static_cast<std::size_t>(loop[i % n])]; };
-  std::vector<Box> boxes(n);
+  std::vector<FillingBox> boxes(n);
   for (std::size_t i = 0; i < n; ++i) boxes[i] = box_of(std::array{place(i), place(i + 1)});
   const OverlapTree tree = tree_of(boxes);
   std::size_t steps = 0;
@@ -227,7 +227,7 @@ void FillingProjection::check_loop(std::span<const std::int32_t> loop) {
       std::size_t from = i, to = k;
       if (to - from > n / 2) from = k, to = i + n;
       steps += to - from + 1;
-      Box box;
+      FillingBox box;
       for (std::size_t at = from; at <= to + 1; ++at) box.grow(boxes[at % n]);
       add_region(box);
     });
@@ -275,7 +275,7 @@ std::vector<char> FillingProjection::in_doubt(std::span<const VertexTriple> fill
     if (doubt[t]) regions.push_back(region_of(corners[t], side));
   }
   if (regions.empty()) return doubt;
-  std::vector<Box> boxes;
+  std::vector<FillingBox> boxes;
   for (const Region& r : regions)
     boxes.push_back(box_of(std::span(r.corners.data(), static_cast<std::size_t>(r.size))));
   const OverlapTree tree = tree_of(std::move(boxes));

@@ -34,7 +34,7 @@ Vec3 unit(const Vec3& v) {
   return length > 0 ? v / length : Vec3(0, 0, 0);
 }
 
-double turn(const Vec3& a, const Vec3& b, const Vec3& c) {
+double angle_turned(const Vec3& a, const Vec3& b, const Vec3& c) {
   return a | (b % c);
 }
 
@@ -52,10 +52,10 @@ std::optional<std::vector<std::array<std::size_t, 3>>> ears_of(const std::vector
     for (std::size_t j = 0; j < n; ++j) {
       const std::size_t ia = left[(j + n - 1) % n], ib = left[j], ic = left[(j + 1) % n];
       const Vec3 &a = around[ia], &b = around[ib], &c = around[ic];
-      if (!(turn(a, b, c) > 0) || !((a | c) > nearest)) continue;
+      if (!(angle_turned(a, b, c) > 0) || !((a | c) > nearest)) continue;
       const bool clear = std::ranges::all_of(left, [&](std::size_t i) {
         const Vec3& p = around[i];
-        return i == ia || i == ib || i == ic || turn(a, b, p) < 0 || turn(b, c, p) < 0 || turn(c, a, p) < 0;
+        return i == ia || i == ib || i == ic || angle_turned(a, b, p) < 0 || angle_turned(b, c, p) < 0 || angle_turned(c, a, p) < 0;
       });
       if (clear) best = j, nearest = a | c;
     }
