@@ -205,7 +205,7 @@ class Repairer {
 
 RepairResult repair(Soup& soup, const RepairOptions& options, Context& context) {
   if (!(options.max_deviation >= 0 && options.max_deviation <= 0.1))
-    throw InvalidInput("max-deviation is a share of the soup_diagonal: between 0 and 0.1");
+    throw InvalidInput("max-deviation is a share of the diagonal: between 0 and 0.1");
   check_soup(soup);
   RepairResult result;
   if (options.goal != RepairGoal::surface && is_clean_solid(soup, options.single_precision, context) &&

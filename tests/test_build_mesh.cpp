@@ -385,7 +385,7 @@ TEST_CASE("build_mesh: an index out of range and an attribute of the wrong lengt
   CHECK_THROWS_AS(build_mesh(soup_of(grid(2, 2)), context), Cancelled);
 }
 
-TEST_CASE("build_mesh: values of corners_of_face and labels go to the mesh and come back, also where triangles are reversed") {
+TEST_CASE("build_mesh: values of corners and labels go to the mesh and come back, also where triangles are reversed") {
   Soup soup;
   soup.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
   soup.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 2, 4}};  // the last one disagrees

@@ -272,7 +272,7 @@ TEST_CASE("find_unmeasured: a side of a box without points is one region on that
   }
 }
 
-TEST_CASE("point_spacing: the square root of the covered_area per point on scattered points, the distance of scan lines") {
+TEST_CASE("point_spacing: the square root of the area per point on scattered points, the distance of scan lines") {
   for (const Ground& ground : grounds())
     for (const Sampling& s : samplings) {
       CAPTURE(ground.name);

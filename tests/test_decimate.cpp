@@ -68,7 +68,7 @@ Mesh fine_cube(int n, double size = 1, const Vec3& offset = Vec3(0, 0, 0)) {
   return make_mesh(points, triangles);
 }
 
-/// A lattice_sphere of radius 1: latitudes and longitudes, two poles.
+/// A sphere of radius 1: latitudes and longitudes, two poles.
 Mesh lattice_sphere(int around, int rows) {
   std::vector<Vec3> points{{0, 0, -1}};
   for (int j = 1; j < rows; ++j)
@@ -123,7 +123,7 @@ TEST_CASE("decimate: a flat polygon becomes as few triangles as its corners allo
   CHECK(mesh_area(view_of(mesh)) == doctest::Approx(144 - 48).epsilon(1e-12));
 }
 
-TEST_CASE("decimate: a fine_cube becomes twelve triangles at its corners, wherever it lies and however large it is") {
+TEST_CASE("decimate: a cube becomes twelve triangles at its corners, wherever it lies and however large it is") {
   struct Place {
     double size;
     Vec3 offset;
@@ -141,13 +141,13 @@ TEST_CASE("decimate: a fine_cube becomes twelve triangles at its corners, wherev
   }
 }
 
-TEST_CASE("decimate: a lattice_sphere stays within a small multiple of the best error for as many triangles") {
+TEST_CASE("decimate: a sphere stays within a small multiple of the best error for as many triangles") {
   Mesh mesh = lattice_sphere(120, 60);
   const Report report = run_decimate(mesh, {.faces = 800});
   CHECK(live_faces(mesh) <= 800);
   CHECK(live_faces(mesh) >= 799);
   CHECK(euler_characteristic(mesh) == 2);
-  // Equilateral triangles of the lattice_sphere's area, with a circumscribed circle of radius r, stand r^2 / 2 off the lattice_sphere.
+  // Equilateral triangles of the sphere's area, with a circumscribed circle of radius r, stand r^2 / 2 off the sphere.
   const double area = 4 * pi / 800, sagitta = 0.5 * 4 * area / (3 * std::sqrt(3.0));
   for (const Vec3& p : places_on(mesh)) CHECK(std::abs(p.norm() - 1) < 3 * sagitta);
   CHECK(report.figures.at("greatest error") < sagitta);

@@ -49,7 +49,7 @@ Measured measured_box() {
 
 }  // namespace
 
-TEST_CASE("deviations: signed distances of a measured_box by face, with the faces that have none") {
+TEST_CASE("deviations: signed distances of a box by face, with the faces that have none") {
   const Measured m = measured_box();
   const Deviations d = deviations_of(m, {.tolerance = Tolerance{-0.25, 0.15}});
   REQUIRE(d.values.size() == 20);

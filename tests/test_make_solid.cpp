@@ -237,7 +237,7 @@ TEST_CASE("make-solid: a flat sheet becomes a thin plate") {
   CHECK(share_kept(before, soup) == 1);
 }
 
-TEST_CASE("make-solid: a cell_box without its lid is closed") {
+TEST_CASE("make-solid: a box without its lid is closed") {
   Soup soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 3);
   soup.triangles.resize(soup.triangles.size() - 18);
   Context context;
@@ -247,7 +247,7 @@ TEST_CASE("make-solid: a cell_box without its lid is closed") {
   CHECK(volume(soup) == doctest::Approx(1));
 }
 
-TEST_CASE("make-solid: an inside-out cell_box is turned") {
+TEST_CASE("make-solid: an inside-out box is turned") {
   Soup soup = cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2);
   for (Triangle& t : soup.triangles) std::swap(t[0], t[1]);
   Context context;

@@ -95,7 +95,7 @@ std::vector<Vec3> comb(int teeth) {
 
 }  // namespace
 
-TEST_CASE("triangulate_polygon: reaches the least triangle_area_of of all triangulations") {
+TEST_CASE("triangulate_polygon: reaches the least area of all triangulations") {
   std::mt19937 random(1);
   for (int n = 3; n <= 9; ++n) {
     const auto all = every_triangulation(0, n - 1);
@@ -180,8 +180,8 @@ TEST_CASE("triangulate_ring: tiles a flat concave polygon without a fold") {
   }
 }
 
-TEST_CASE("triangulate_ring: follows the surface around a hole, not the least triangle_area_of") {
-  // A quadrilateral across a ridge of 30 degrees: its other diagonal makes a valley of less triangle_area_of. The surface beyond
+TEST_CASE("triangulate_ring: follows the surface around a hole, not the least area") {
+  // A quadrilateral across a ridge of 30 degrees: its other diagonal makes a valley of less area. The surface beyond
   // falls away at 85 degrees: 55 degrees from the slopes of the ridge, 85 from those of the valley.
   const std::vector<Vec3> ring{{0, 0, 0.577}, {1.5, -1, 0}, {3, 0, 0.577}, {1.5, 1, 0}};
   CHECK(total_area(ring, {{0, 1, 2}, {0, 2, 3}}) > total_area(ring, {{0, 1, 3}, {1, 2, 3}}));

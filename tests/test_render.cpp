@@ -13,7 +13,7 @@ using namespace tri;
 
 namespace {
 
-// The unit square_soup in z = 0, seen from +z as counter-clockwise, as four triangles about its middle.
+// The unit square in z = 0, seen from +z as counter-clockwise, as four triangles about its middle.
 Soup square_soup() {
   Soup soup;
   soup.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
@@ -62,7 +62,7 @@ TEST_CASE("render: frames the part whole, in the middle and with a margin") {
   CHECK(r.picture.at(60, 50) != white);
   for (int x = 0; x < 120; ++x) CHECK((r.picture.at(x, 0) == white && r.picture.at(x, 99) == white));
   for (int y = 0; y < 100; ++y) CHECK((r.picture.at(0, y) == white && r.picture.at(119, y) == white));
-  // The square_soup fills the height but for 4% on each side, so 92 x 92 of 120 x 100 pixels.
+  // The square fills the height but for 4% on each side, so 92 x 92 of 120 x 100 pixels.
   CHECK(r.covered == doctest::Approx(92.0 * 92.0 / (120 * 100)).epsilon(0.01));
 }
 
@@ -72,7 +72,7 @@ TEST_CASE("render: zoom 2 shows twice the size about the centre") {
   options.zoom = 2;
   CHECK(render(square_soup(), options, context).covered == 1);
   options.zoom = 1;
-  options.center = Vec3(0, 0, 0);  // the square_soup's corner comes to the middle: it covers the upper right quarter
+  options.center = Vec3(0, 0, 0);  // the square's corner comes to the middle: it covers the upper right quarter
   const Rendering r = render(square_soup(), options, context);
   CHECK(r.picture.at(75, 30) != white);
   CHECK(r.picture.at(75, 70) == white);
@@ -189,7 +189,7 @@ TEST_CASE("render: vertex colours are shown when the file has them") {
 
 TEST_CASE("render: edges are dark, rims red, also where triangles share no vertex index") {
   Context context;
-  Soup soup;  // the square_soup again, with three vertices of its own for every triangle, as STL brings them
+  Soup soup;  // the square again, with three vertices of its own for every triangle, as STL brings them
   const Soup shared = square_soup();
   for (const Triangle& t : shared.triangles) {
     const auto n = static_cast<std::uint32_t>(soup.points.size());

@@ -95,7 +95,7 @@ TEST_CASE("fit_to_rim: points that slid over the border of a plate come back to 
       const RimFit fit = settled(plate(), points, motion({0, 0, 0.01 * slid[0]}, to_eigen(slid), {50, 30, 0}));
       CHECK(fit.motions == 3);
       // The outermost of n points of a side is 1/n of the width off it in the mean; the mean of two such gaps, and the
-      // spread that the rim_noise leaves, stay well below four of them.
+      // spread that the noise leaves, stay well below four of them.
       double worst = 0;
       for (const Vec3& p : {Vec3(0, 0, 0), Vec3(width, 0, 0), Vec3(0, height, 0), Vec3(width, height, 0)})
         worst = std::max(worst, (fit.pose(p) - p).norm());

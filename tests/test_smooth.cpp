@@ -46,7 +46,7 @@ double rms(const Mesh& mesh, const std::function<double(const Vec3&)>& error,
   return std::sqrt(sum / n);
 }
 
-/// The unit round_sphere: an icosahedron, each triangle split into `n` x `n` and laid onto the round_sphere.
+/// The unit sphere: an icosahedron, each triangle split into `n` x `n` and laid onto the sphere.
 Mesh round_sphere(int n) {
   const Mesh coarse = icosahedron();
   std::vector<Vec3> points;
@@ -134,7 +134,7 @@ TEST_CASE("smooth: noise on a plane falls to a fifth (taubin: two fifths), away 
   }
 }
 
-TEST_CASE("smooth: noise on a round_sphere falls, and taubin keeps its volume to a thousandth") {
+TEST_CASE("smooth: noise on a sphere falls, and taubin keeps its volume to a thousandth") {
   const Mesh clean = round_sphere(16);
   const double h = mean_edge(clean);
   for (const SmoothMethod method : methods) {
@@ -144,7 +144,7 @@ TEST_CASE("smooth: noise on a round_sphere falls, and taubin keeps its volume to
     const Report report = run_smooth(mesh, {.method = method});
     CHECK(report.figures.at("volume before") == doctest::Approx(volume));
     CHECK(report.figures.at("volume after") == doctest::Approx(mesh_volume(view_of(mesh))));
-    // Shrinking is judged by the volume; here by the distance from the mean round_sphere.
+    // Shrinking is judged by the volume; here by the distance from the mean sphere.
     double mean = 0;
     for (const VertexHandle v : mesh.vertices()) mean += mesh.point(v).norm() / static_cast<double>(mesh.n_vertices());
     const double left = rms(
@@ -186,7 +186,7 @@ TEST_CASE(
   CHECK(rms(noisy, error, inside) < 0.6 * before);
 }
 
-TEST_CASE("smooth: creases and corners of a grid_box stay bit for bit, and its noisy faces become flat") {
+TEST_CASE("smooth: creases and corners of a box stay bit for bit, and its noisy faces become flat") {
   for (const SmoothMethod method : methods) {
     Mesh mesh = grid_box(8);
     const Mesh exact = mesh;

@@ -154,7 +154,7 @@ TEST_CASE("subdivide loop: converges to the known limit of smooth, crease and co
 }
 
 TEST_CASE(
-    "subdivide loop: a plain_box keeps its corners, edges and volume, however often; without features it becomes round") {
+    "subdivide loop: a box keeps its corners, edges and volume, however often; without features it becomes round") {
   Mesh sharp = plain_box(), round = plain_box();
   run_subdivide(sharp, {.levels = 3});
   CHECK(mesh_volume(view_of(sharp)) == doctest::Approx(8));

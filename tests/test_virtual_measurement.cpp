@@ -152,7 +152,7 @@ TEST_CASE("measure: points go up to round rims and not beyond") {
   CHECK(std::abs(in_ring - expected) < 5 * std::sqrt(expected));
 }
 
-TEST_CASE("measure: random points are uniform over the face_area, between faces and within a face") {
+TEST_CASE("measure: random points are uniform over the area, between faces and within a face") {
   for (const char* name : {"boot-lid", "blade", "bracket", "fillet-block"}) {
     CAPTURE(name);
     const Shape shape = std::string(name) == "boot-lid" ? lid() : example_part(name);
@@ -424,7 +424,7 @@ TEST_CASE("measure: the pose beside a moved measurement takes it back to the mod
   CHECK(t[3] == std::array<double, 4>{0, 0, 0, 1});
 }
 
-TEST_CASE("measure: faces placed by a location or turned inside out are measured_shape where they are") {
+TEST_CASE("measure: faces placed by a location or turned inside out are measured where they are") {
   gp_Trsf motion;
   motion.SetRotation(gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(1, 1, 0)), 0.7);
   motion.SetTranslationPart(gp_Vec(300, 0, -50));

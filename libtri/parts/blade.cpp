@@ -19,7 +19,7 @@ namespace {
 
 constexpr double blade_height = 120, edge_radius = 0.3;
 
-// One profile at the share h of the blade_height: suction side, trailing edge, pressure side, leading edge.
+// One profile at the share h of the height: suction side, trailing edge, pressure side, leading edge.
 TopoDS_Wire section(double h) {
   const double chord = 40 - 8 * h, twist = (12 + 38 * h) * M_PI / 180, thickest = 2.0 - 0.9 * h;
   const auto place = [&](double x, double y) {

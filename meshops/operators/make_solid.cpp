@@ -81,7 +81,7 @@ bool go_on(Attempt& a, const MakeSolidOptions& options, int finest, bool floats,
   a.left = SolidFromSoup(a.soup, options.max_deviation, options.keep_walls, finest, floats, true, a.fillings)
                .run(again, false, context);
   if (again.unchanged()) return false;
-  double& count = a.report.figures["solid_passes"];
+  double& count = a.report.figures["passes"];
   count = std::max(1.0, count) + 1;
   a.report.touched_faces = again.touched_faces;
   a.report.vertices_added += again.vertices_added;

@@ -35,7 +35,7 @@ struct Measure {
   }
 };
 
-/// TriangleForm of one triangle: its sides in order of length.
+/// Shape of one triangle: its sides in order of length.
 struct TriangleForm {
   int longest = 0, shortest = 0;  // side k runs from corner k to the next
   double longest_squared = 0, shortest_squared = 0;

@@ -20,7 +20,7 @@ namespace tri {
 namespace {
 
 constexpr std::size_t subdivide_block = 4096;
-constexpr double most_faces = 5e8;  ///< then half-edges still have an index_of
+constexpr double most_faces = 5e8;  ///< then half-edges still have an index
 
 template <class Handle>
 std::size_t index_of(Handle h) {

@@ -13,7 +13,7 @@ namespace tri {
 namespace {
 
 constexpr std::size_t features_block = 4096;
-constexpr double sliver_height = 1e-6;  ///< of the mesh_diagonal
+constexpr double sliver_height = 1e-6;  ///< of the diagonal
 constexpr int noise_depth = 2;
 constexpr int slivers_crossed = 32;  ///< more in a row have no normal
 

@@ -27,7 +27,7 @@ void drop_degenerate(EditMesh& mesh) {
   for (const std::uint32_t i : degenerate) {
     const auto t = static_cast<std::int32_t>(i);
     const Triangle q = mesh.triangles[i];
-    int same = -1;  // corner corner_opposite the edge without length
+    int same = -1;  // corner opposite the edge without length
     for (int k = 0; k < 3; ++k)
       if (q[(k + 1) % 3] == q[(k + 2) % 3]) same = k;
     const std::int32_t a = mesh.neighbors[i][(same + 1) % 3], b = mesh.neighbors[i][(same + 2) % 3];
@@ -105,7 +105,7 @@ void split_fans(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain, std::
     }
 }
 
-// Corner of triangle t corner_opposite its directed edge (a, b).
+// Corner of triangle t opposite its directed edge (a, b).
 int corner_opposite(const EditMesh& mesh, std::int32_t t, std::uint32_t a, std::uint32_t b) {
   const Triangle& q = mesh.triangles[static_cast<std::size_t>(t)];
   for (int k = 0; k < 3; ++k)
