@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "meshops/editing/label_property.hpp"
@@ -41,25 +42,26 @@ void for_all(std::size_t n, const Context* context, const Visit& visit) {
 
 using Scalars = std::map<std::string, std::vector<double>>;
 
-/// One number per element that stays.
+/// One number per element that stays. @param number  of the element with an index
 std::vector<double> gather(Indices elements, const auto& number) {
   std::vector<double> values(elements.size());
-  for_all(elements.size(), elements.context, [&](std::size_t k) { values[k] = static_cast<double>(number(static_cast<int>(elements[k]))); });
+  for_all(elements.size(), elements.context, [&](std::size_t k) { values[k] = static_cast<double>(number(elements[k])); });
   return values;
 }
 
-/// Numbers become the scalar `name`, vectors a scalar for each of their numbers. @return whether the property holds such
+/// Bools and numbers become the scalar `name`, vectors a scalar for each of their numbers. @return whether the property holds such
 bool add_scalars(const OpenMesh::BaseProperty& property, const std::string& name, Indices elements, Scalars& scalars,
                  std::span<const char* const> columns = {}) {
-  return visit_numbers(property, [&](const auto& typed) { scalars[name] = gather(elements, [&](int i) { return typed[i]; }); }) ||
-         visit_rows(property, [&](const auto& typed) {
-           using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
-           for (int k = 0; k < row_size<Row>; ++k) {
-             const bool named = static_cast<int>(columns.size()) == row_size<Row>;
-             scalars[named ? columns[static_cast<std::size_t>(k)] : name + "_" + std::to_string(k)] =
-                 gather(elements, [&](int i) { return typed[i][k]; });
-           }
-         });
+  if (const auto* flags = dynamic_cast<const PropertyT<bool>*>(&property)) {
+    scalars[name] = gather(elements, [&](std::uint32_t i) { return (*flags)[static_cast<int>(i)]; });
+    return true;
+  }
+  return visit_numbers(property, [&](const auto& rows) {
+    const bool named = rows.vector && static_cast<int>(columns.size()) == rows.size;
+    for (int k = 0; k < rows.size; ++k)
+      scalars[!rows.vector ? name : named ? columns[static_cast<std::size_t>(k)] : name + "_" + std::to_string(k)] =
+          gather(elements, [&](std::uint32_t i) { return rows(i, k); });
+  });
 }
 
 constexpr std::array uv_columns{"u", "v"}, texture_columns{"s", "t"};
@@ -74,15 +76,14 @@ std::span<const char* const> columns_of(std::string_view name) {
 /// Red, green, blue, and alpha if anything is not opaque, in [0,255]; nothing if that is not what the property holds.
 std::vector<std::vector<double>> color_columns(const OpenMesh::BaseProperty& property, Indices elements) {
   std::vector<std::vector<double>> columns;
-  visit_rows(property, [&](const auto& typed) {
-    using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
-    if constexpr (row_size<Row> == 3 || row_size<Row> == 4) {
-      constexpr double top = std::is_floating_point_v<RowNumber<Row>> ? 1 : 255;
-      for (int k = 0; k < row_size<Row>; ++k) {
-        auto& column = columns.emplace_back(gather(elements, [&](int i) { return typed[i][k]; }));
-        if (!std::ranges::all_of(column, [](double c) { return c >= 0 && c <= top; })) return columns.clear();
-        for (double& c : column) c = std::round(c * (255 / top));
-      }
+  visit_numbers(property, [&](const auto& rows) {
+    if (rows.size != 3 && rows.size != 4) return;
+    using Number = std::remove_cvref_t<decltype(rows(0))>;
+    constexpr double top = std::is_floating_point_v<Number> ? 1 : 255;
+    for (int k = 0; k < rows.size; ++k) {
+      auto& column = columns.emplace_back(gather(elements, [&](std::uint32_t i) { return rows(i, k); }));
+      if (!std::ranges::all_of(column, [](double c) { return c >= 0 && c <= top; })) return columns.clear();
+      for (double& c : column) c = std::round(c * (255 / top));
     }
   });
   if (columns.size() == 4 && std::ranges::all_of(columns[3], [](double a) { return a == 255; })) columns.pop_back();
@@ -91,15 +92,11 @@ std::vector<std::vector<double>> color_columns(const OpenMesh::BaseProperty& pro
 
 bool gather_normals(const OpenMesh::BaseProperty& property, Indices vertices, Soup& soup) {
   bool gathered = false;
-  visit_rows(property, [&](const auto& typed) {
-    using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
-    if constexpr (row_size<Row> == 3) {
-      gathered = true;
-      for (const std::uint32_t i : vertices) {
-        const auto& n = typed[static_cast<int>(i)];
-        soup.vertex_normals.emplace_back(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
-      }
-    }
+  visit_numbers(property, [&](const auto& rows) {
+    if (rows.size != 3) return;
+    gathered = true;
+    for (const std::uint32_t i : vertices)
+      soup.vertex_normals.emplace_back(static_cast<double>(rows(i, 0)), static_cast<double>(rows(i, 1)), static_cast<double>(rows(i, 2)));
   });
   return gathered;
 }

@@ -67,20 +67,16 @@ std::shared_ptr<HeldMesh> mesh_of(const Soup& soup) {
 void add_view(py::dict& views, const std::string& name, const std::shared_ptr<Mesh>& owner,
               const OpenMesh::BaseProperty& property) {
   const py::str key(name);
-  visit_numbers(property, [&](const auto& typed) {
-    using T = typename std::remove_cvref_t<decltype(typed)>::value_type;
-    const std::size_t n = typed.n_elements();
-    if constexpr (std::is_same_v<T, bool>) {
-      py::array_t<bool> copy(static_cast<py::ssize_t>(n));
-      for (std::size_t i = 0; i < n; ++i) copy.mutable_at(i) = typed[static_cast<int>(i)];
-      views[key] = copy;
-    } else {
-      views[key] = view_of_rows<T>(owner, typed.data(), n, 0);
-    }
-  });
-  visit_rows(property, [&](const auto& typed) {
-    using Row = typename std::remove_cvref_t<decltype(typed)>::value_type;
-    views[key] = view_of_rows<RowNumber<Row>>(owner, typed.data(), typed.n_elements(), row_size<Row>);
+  if (const auto* flags = dynamic_cast<const OpenMesh::PropertyT<bool>*>(&property)) {
+    py::array_t<bool> copy(static_cast<py::ssize_t>(flags->n_elements()));
+    for (std::size_t i = 0; i < flags->n_elements(); ++i)
+      copy.mutable_at(static_cast<py::ssize_t>(i)) = (*flags)[static_cast<int>(i)];
+    views[key] = copy;
+    return;
+  }
+  visit_numbers(property, [&](const auto& rows) {
+    using Number = std::remove_cvref_t<decltype(rows(0))>;
+    views[key] = view_of_rows<Number>(owner, rows.numbers.data(), rows.elements(), rows.vector ? rows.size : 0);
   });
 }
 

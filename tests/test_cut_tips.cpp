@@ -12,7 +12,7 @@ using namespace tri;
 
 namespace {
 
-constexpr std::int64_t size = 1 << 20;
+constexpr std::int64_t cells_in_unit = 1 << 20;
 
 /// A closed boundary out of triangles; vertices are those of equal numbers.
 struct Shape {
@@ -108,10 +108,10 @@ Shape spindle(const std::vector<GridPoint>& around, const GridPoint& tip, const 
 }  // namespace
 
 TEST_CASE("cut_tips: solids that touch in a point come apart, whatever their corners look like") {
-  const GridPoint o{size, size, size};
+  const GridPoint o{cells_in_unit, cells_in_unit, cells_in_unit};
   const auto at = [&](double x, double y, double z) {
-    return GridPoint{o[0] + std::llround(x * size / 4), o[1] + std::llround(y * size / 4),
-                     o[2] + std::llround(z * size / 4)};
+    return GridPoint{o[0] + std::llround(x * cells_in_unit / 4), o[1] + std::llround(y * cells_in_unit / 4),
+                     o[2] + std::llround(z * cells_in_unit / 4)};
   };
   const Shape corner = grid_tetrahedron({o, at(1, 0.2, 1), at(-0.5, 0.9, 1), at(-0.4, -0.8, 1)});
   const Shape opposite = grid_tetrahedron({o, at(1, 0, -1), at(-0.5, 0.9, -1.1), at(-0.5, -0.9, -1)});

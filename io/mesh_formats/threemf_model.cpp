@@ -78,7 +78,7 @@ class ModelReader {
       if (const char* unit = a.find("unit")) set_unit(unit);
       if (const char* required = a.find("requiredextensions"))
         for (const char* word : {"s", "b", "sc", "i"})
-          if ((" " + std::string(required) + " ").find(fmt::format(" {} ", word)) != std::string::npos)
+          if (fmt::format(" {} ", required).find(fmt::format(" {} ", word)) != std::string::npos)
             ++model_.left["requiredextensions " + std::string(word)];
     } else if (name == "object") {
       object(a);
