@@ -51,7 +51,7 @@ void register_operators(Registry& registry) {
                {.idempotent = false});
   registry.add("remove-redundant", remove_redundant, "Deletes triangles by edge length, normal and boundary shape",
                {.idempotent = false});
-  registry.add("remove-self-intersections", remove_self_intersections, "Cuts triangles along each other where they cross");
+  registry.add("remove-self-intersections", remove_self_intersections, "Cuts out and refills, or cuts along each other, triangles that cross");
   registry.add("resolve-t-junctions", resolve_t_junctions, "Splits boundary edges where other boundary vertices lie on them");
   registry.add("smooth", smooth, "Takes noise off by moving vertices; keeps creases, corners and boundary",
                {.leaves_good_mesh = false, .idempotent = false});

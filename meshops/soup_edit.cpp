@@ -53,6 +53,15 @@ Vec3 weights_in(const Soup& soup, const Triangle& t, const Vec3& p) {
   return sum > 0 ? weights / sum : Vec3(1, 1, 1) / 3;
 }
 
+/// With the face attributes of another one, and without those of corners.
+void append_triangle(Soup& soup, const Triangle& triangle, std::uint32_t source) {
+  soup.triangles.push_back(triangle);
+  for (auto& [name, values] : soup.face_scalars) {
+    const double value = values[source];
+    values.push_back(value);
+  }
+}
+
 }  // namespace
 
 void check_soup(const Soup& soup, const Context* context) {
@@ -140,11 +149,7 @@ void move_point_between(Soup& soup, std::uint32_t a, std::uint32_t b, double t) 
 
 void add_triangle_in(Soup& soup, const Triangle& triangle, std::uint32_t source) {
   const Triangle from = soup.triangles[source];
-  soup.triangles.push_back(triangle);
-  for (auto& [name, values] : soup.face_scalars) {
-    const double value = values[source];
-    values.push_back(value);
-  }
+  append_triangle(soup, triangle, source);
   if (soup.corner_scalars.empty()) return;
   for (const std::uint32_t v : triangle) {
     const auto same = std::ranges::find(from, v);
@@ -160,6 +165,15 @@ void add_triangle_in(Soup& soup, const Triangle& triangle, std::uint32_t source)
       values.push_back(value);
     }
   }
+}
+
+void add_triangle_from(Soup& soup, const Triangle& triangle, std::uint32_t source, const std::array<std::size_t, 3>& corners) {
+  append_triangle(soup, triangle, source);
+  for (auto& [name, values] : soup.corner_scalars)
+    for (const std::size_t corner : corners) {
+      const double value = values[corner];
+      values.push_back(value);
+    }
 }
 
 void reverse_triangle(Soup& soup, std::uint32_t triangle) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -56,6 +58,10 @@ void move_point_between(Soup& soup, std::uint32_t a, std::uint32_t b, double t);
 /// that has the same point; a point that is no corner of it gets them interpolated where it lies in the plane of
 /// `source`, within its bounds.
 void add_triangle_in(Soup& soup, const Triangle& triangle, std::uint32_t source);
+
+/// Appends a triangle with the face attributes of triangle `source`, and at each corner those of a corner of its own.
+/// @param corners  of each: 3 triangle + corner
+void add_triangle_from(Soup& soup, const Triangle& triangle, std::uint32_t source, const std::array<std::size_t, 3>& corners);
 
 /// Turns a triangle around: its second and third corner change places.
 void reverse_triangle(Soup& soup, std::uint32_t triangle);

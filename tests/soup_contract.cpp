@@ -49,6 +49,10 @@ std::vector<std::pair<std::string, Soup>> soup_inputs() {
   for (std::size_t i = 10; i < junctions.points.size(); ++i)
     junctions.points[i] = Vec3(2 * junctions.points[i][0], junctions.points[i][1] - 1, 0);
   add("sheets that meet in T-junctions", junctions);
+  Soup folded = sheet(8, 8);
+  for (Vec3& p : folded.points) p[2] = 0.001 * std::sin(2 * p[0] + 3 * p[1]);
+  folded.points[40] += Vec3(2.5, 0.6, 0);
+  add("folded over itself", folded);
   return result;
 }
 

@@ -49,7 +49,11 @@ class Untangler {
       if (t % 256 == 0) context_.checkpoint();
       if (!in_doubt[t]) continue;
       const auto at = places(triangles[t]);
-      if (!triangle_has_area(at[0], at[1], at[2])) continue;
+      if (!triangle_has_area(at[0], at[1], at[2])) {
+        found.count += surroundings_.areas_wanted;
+        takes_part[t] = surroundings_.areas_wanted;
+        continue;
+      }
       named.push_back(names(triangles[t]));
       number.push_back(static_cast<std::uint32_t>(t));
       const int crossings = surroundings_.crossings(triangles[t]);
@@ -131,7 +135,10 @@ class Untangler {
       CrossingWeight weight{0, triangle_area(at[0], at[1], at[2])};
       if (!useful(weight)) return std::nullopt;
       ++weighed_;
-      if (!triangle_has_area(at[0], at[1], at[2])) return weight;
+      if (!triangle_has_area(at[0], at[1], at[2])) {
+        weight.crossings = surroundings_.areas_wanted;
+        return weight;
+      }
       weight.crossings = surroundings_.crossings(t);
       if (weight.crossings > 0 && !useful(weight)) return std::nullopt;
       const TriangleBox triangle(at);

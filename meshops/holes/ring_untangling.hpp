@@ -22,6 +22,8 @@ struct RingSurroundings {
   std::function<std::vector<char>(std::span<const RingTriangle>)> in_doubt;
   /// By ring edge (i, i + 1): how many of the triangles around the ring every triangle at this edge meets; or empty.
   std::vector<int> unavoidable;
+  /// Whether a triangle of the filling without area counts as if it met one triangle; else it counts as nothing.
+  bool areas_wanted = false;
 };
 
 /// Pairs of triangles that meet in more than what they share: in the filling, and with its surroundings.

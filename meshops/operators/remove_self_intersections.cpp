@@ -1,65 +1,59 @@
 #include "meshops/operators/remove_self_intersections.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
+#include <string>
+#include <vector>
 
-#include "meshops/crossings/arrangement/crossing_complex.hpp"
-#include "meshops/crossings/arrangement/grid_frame.hpp"
+#include "meshops/crossings/refill_crossings.hpp"
 #include "meshops/crossings/solid_check.hpp"
-#include "meshops/crossings/triangle_pieces.hpp"
-#include "meshops/limits.hpp"
+#include "meshops/crossings/split_crossings.hpp"
+#include "meshops/search/disjoint_sets.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
 namespace {
 
-constexpr double cutting_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
-constexpr int cutting_passes = 3;
+constexpr double refill_share = 0.75;  ///< of what is allowed, where both methods may follow each other
+constexpr std::size_t most_notes = 10;
 
-/// The triangles on the grid, and which point is which vertex.
-struct OnGrid {
-  GridFrame frame;
-  CrossingComplex complex;
-  std::vector<std::uint32_t> vertex_of_point;
+std::string text_of(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 
-  explicit OnGrid(const Soup& soup) : frame(soup.points, GridFrame::doubles) {
-    std::map<GridPoint, std::uint32_t> numbers;
-    std::vector<std::uint32_t> number(soup.points.size(), no_index);
-    for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
-      Triangle t = soup.triangles[i];
-      for (std::uint32_t& v : t) {
-        if (number[v] == no_index) {
-          const auto [it, added] =
-              numbers.emplace(frame.to_grid(soup.points[v]), static_cast<std::uint32_t>(complex.points.size()));
-          if (added) complex.points.push_back(it->first), vertex_of_point.push_back(v);
-          number[v] = it->second;
-        }
-        v = number[v];
-      }
-      complex.faces.push_back({t, i, 1, true});
+void tell_places_not_refilled(const std::vector<PlaceLeft>& places, double farthest, Report& report) {
+  for (std::size_t i = 0; i < std::min(most_notes, places.size()); ++i) {
+    const PlaceLeft& place = places[i];
+    std::string why;
+    switch (place.reason) {
+      case PlaceLeft::Reason::shape: why = "no small patch around them is a disk"; break;
+      case PlaceLeft::Reason::crosses: why = "every filling would cross something"; break;
+      case PlaceLeft::Reason::too_far: why = fmt::format("the surface would move by more than {:.3g}", farthest); break;
     }
+    report.notes.push_back(fmt::format("near {}, where {} pairs of triangles cross, nothing was cut out and refilled: {}",
+                                       text_of(place.at), place.pairs, why));
   }
-};
-
-TrianglePieces pieces_of(const Soup& soup, const OnGrid& grid, bool restore) {
-  TrianglePieces pieces;
-  for (std::uint32_t p = 0; p < grid.complex.points.size(); ++p) {
-    const bool old = p < grid.vertex_of_point.size();
-    pieces.original.push_back(old ? grid.vertex_of_point[p] : no_index);
-    pieces.places.push_back(old && restore ? soup.points[grid.vertex_of_point[p]] : grid.frame.to_space(grid.complex.points[p]));
-  }
-  for (const CrossingComplex::Face& f : grid.complex.faces) {
-    Triangle v = f.v;
-    if (f.net < 0) std::swap(v[1], v[2]);
-    pieces.triangles.push_back({v, soup.triangles[f.source], f.source});
-  }
-  return pieces;
 }
 
-std::size_t crossings(const TrianglePieces& pieces, Context& context) {
-  std::vector<Triangle> triangles;
-  for (const TrianglePieces::Piece& p : pieces.triangles) triangles.push_back(p.v);
-  return surface_contacts(pieces.places, triangles, context).crossing.size();
+/// The places where triangles cross at the end.
+void tell_what_still_crosses(const Soup& soup, const std::vector<std::array<std::uint32_t, 2>>& pairs, Report& report) {
+  DisjointSets sets(soup.triangles.size());
+  for (const auto& pair : pairs) sets.join(pair[0], pair[1]);
+  std::map<std::size_t, std::size_t> places;
+  for (const auto& pair : pairs) ++places[sets.find(pair[0])];
+  for (const auto& [triangle, count] : places) {
+    if (report.notes.size() >= 2 * most_notes) return;
+    const Triangle& t = soup.triangles[triangle];
+    report.notes.push_back(fmt::format("near {}, {} pairs of triangles still cross",
+                                       text_of((soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3.0), count));
+  }
+}
+
+double diagonal_of(const Soup& soup) {
+  Vec3 low = soup.points[soup.triangles[0][0]], high = low;
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t v : t) low.minimize(soup.points[v]), high.maximize(soup.points[v]);
+  return (high - low).norm();
 }
 
 }  // namespace
@@ -67,8 +61,12 @@ std::size_t crossings(const TrianglePieces& pieces, Context& context) {
 const OptionSchema& RemoveSelfIntersectionsOptions::schema() {
   using O = RemoveSelfIntersectionsOptions;
   static const OptionSchema schema =
-      Schema<O>().number("max-deviation", &O::max_deviation,
-                         {.unit = "of the diagonal", .min = 0, .max = 0.1, .help = "no vertex moves farther than this"});
+      Schema<O>()
+          .choice("method", &O::method,
+                  {{"automatic", CrossingMethod::automatic}, {"refill", CrossingMethod::refill}, {"split", CrossingMethod::split}},
+                  {.help = "cut out and refill, cut along each other, or the one where that can be and else the other"})
+          .number("max-deviation", &O::max_deviation,
+                  {.unit = "of the diagonal", .min = 0, .max = 0.1, .help = "the surface moves nowhere farther than this"});
   return schema;
 }
 
@@ -76,38 +74,41 @@ Report remove_self_intersections(Soup& soup, const RemoveSelfIntersectionsOption
   validate(options);
   check_soup(soup);
   context.checkpoint();
+  const auto done = [&](double share) { context.progress("remove-self-intersections", share); };
   Report report;
   report.operation = "remove-self-intersections";
-  std::size_t left = surface_contacts(soup.points, soup.triangles, context).crossing.size();
-  const auto done = [&] {
-    if (left > 0) report.skipped["pairs that still cross"] = left;
-    context.progress("remove-self-intersections", 1);
-    return report;
-  };
-  if (left == 0) return done();
-  report.figures["crossing pairs"] = static_cast<double>(left);
-  Vec3 low = soup.points[soup.triangles[0][0]], high = low;
-  for (const Triangle& t : soup.triangles)
-    for (const std::uint32_t v : t) low.minimize(soup.points[v]), high.maximize(soup.points[v]);
-  const double farthest = options.max_deviation * (high - low).norm();
-
+  auto crossing = surface_contacts(soup.points, soup.triangles, context).crossing;
+  done(crossing.empty() ? 1 : 0.2);
+  if (crossing.empty()) return report;
+  report.figures["crossing pairs"] = static_cast<double>(crossing.size());
+  const double farthest = options.max_deviation * diagonal_of(soup);
+  double left_to_move = farthest;
   Soup work = soup;
-  for (int pass = 0; pass < cutting_passes && left > 0; ++pass) {
-    OnGrid grid(work);
-    const CrossingReport cut = resolve_crossings(grid.complex, grid.frame.steps_in(cutting_reach_share), farthest / grid.frame.step(), context);
-    TrianglePieces pieces = pieces_of(work, grid, true);
-    std::size_t now = crossings(pieces, context);
-    if (now > 0) {
-      pieces = pieces_of(work, grid, false);
-      now = crossings(pieces, context);
+  if (options.method != CrossingMethod::split) {
+    const double allowed = options.method == CrossingMethod::refill ? farthest : refill_share * farthest;
+    const RefillReport refilled = refill_crossings(work, crossing, allowed, report, context);
+    tell_places_not_refilled(refilled.left, allowed, report);
+    if (refilled.refilled > 0) {
+      report.figures["places refilled"] = static_cast<double>(refilled.refilled);
+      left_to_move -= allowed;
+      crossing = surface_contacts(work.points, work.triangles, context).crossing;
     }
-    if (now >= left) break;
-    left = now;
-    report.figures["faces cut"] += static_cast<double>(cut.cut);
-    replace_by_pieces(work, pieces, report);
+    done(0.5);
   }
+  if (options.method != CrossingMethod::refill && !crossing.empty()) {
+    const SplitReport split = split_crossings(work, crossing.size(), left_to_move, report, context);
+    if (split.cut > 0) report.figures["faces cut"] = static_cast<double>(split.cut);
+    if (split.left > 0) crossing = surface_contacts(work.points, work.triangles, context).crossing;
+    else crossing.clear();
+  }
+  if (!crossing.empty()) {
+    report.skipped["pairs that still cross"] = crossing.size();
+    tell_what_still_crosses(work, crossing, report);
+  }
+  context.checkpoint();
   if (!report.unchanged()) soup = std::move(work);
-  return done();
+  done(1);
+  return report;
 }
 
 }  // namespace tri

@@ -5,10 +5,11 @@
 
 namespace tri {
 
-GridFrame::GridFrame(std::span<const Vec3> points, int finest) {
-  if (points.empty()) return;
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) low.minimize(p), high.maximize(p);
+GridFrame::GridFrame(const Soup& soup, int finest) {
+  if (soup.triangles.empty()) return;
+  Vec3 low = soup.points[soup.triangles[0][0]], high = low;
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t v : t) low.minimize(soup.points[v]), high.maximize(soup.points[v]);
   const Vec3 size = high - low;
   const double extent = extent_ = std::max({size[0], size[1], size[2]});
   double farthest = 0;

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <span>
-
 #include "meshops/crossings/arrangement/grid_geometry.hpp"
+#include "meshops/soup.hpp"
 
 namespace tri {
 
@@ -11,9 +10,9 @@ class GridFrame {
  public:
   static constexpr int doubles = 51, floats = 23;
 
-  /// The finest grid of a power of two that covers the box of `points` with 2^28 steps a side, and none of whose steps is less
+  /// The finest grid of a power of two that covers the box of the points that triangles use with 2^28 steps a side, and none of whose steps is less
   /// than 2^-`finest` of the power of two at the farthest coordinate, so that numbers of double or single precision hold it.
-  GridFrame(std::span<const Vec3> points, int finest);
+  GridFrame(const Soup& soup, int finest);
 
   GridPoint to_grid(const Vec3& p) const;
   Vec3 to_space(const GridPoint& p) const;

@@ -28,16 +28,6 @@ constexpr double wall_share =
     0.95;  ///< the same of what a wall that goes may be away from what stays, which may move itself
 constexpr double plate_share = 0.02;  ///< half the thickness of plates and gaps, of the deviation that is allowed
 
-std::vector<Vec3> used_points(const Soup& soup) {
-  std::vector<char> used(soup.points.size());
-  for (const Triangle& t : soup.triangles)
-    for (const std::uint32_t v : t) used[v] = 1;
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) points.push_back(soup.points[i]);
-  return points;
-}
-
 double grid_diagonal(const std::vector<GridPoint>& points) {
   if (points.empty()) return 0;
   GridPoint low = points[0], high = points[0];
@@ -78,7 +68,7 @@ SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, 
       apart_(apart),
       again_(again),
       fillings_(fillings),
-      frame_(used_points(soup), finest) {}
+      frame_(soup, finest) {}
 
 void SolidFromSoup::take_triangles(Report& report) {
   std::map<GridPoint, std::uint32_t> numbers;
