@@ -8,6 +8,7 @@
 
 #include "meshops/build_mesh.hpp"
 #include "meshops/checks/mesh_distance.hpp"
+#include "meshops/crossings/self_intersections.hpp"
 #include "meshops/operators/decimate.hpp"
 #include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"
@@ -238,6 +239,17 @@ TEST_CASE("decimate: no triangle of a smooth height field is turned over, and no
     const Vec3 normal = (b - a) % (c - a);
     CHECK(normal[2] > 0);
     CHECK(2 * std::sqrt(3.0) * normal.norm() >= 0.1 * ((b - a).sqrnorm() + (c - b).sqrnorm() + (a - c).sqrnorm()));
+  }
+}
+
+TEST_CASE("decimate: sheets that nearly touch do not come to cross") {
+  for (const double ratio : {0.5, 0.1}) {
+    CAPTURE(ratio);
+    Mesh mesh = crumpled_sheets(16, 0.05, 5);
+    const Report report = run_decimate(mesh, {.ratio = ratio});
+    CHECK(report.faces_removed > 0);
+    const Soup out = to_soup(view_of(mesh));
+    CHECK(self_intersections(out.points, out.triangles, Context(), Neighbors::judge).empty());
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -225,6 +226,53 @@ TEST_CASE("remesh: no triangle of a height field is turned over, and none cross"
     Context context;
     CHECK(self_intersections(out.points, out.triangles, context, Neighbors::judge).empty());
   }
+}
+
+TEST_CASE("remesh: sheets that nearly touch do not come to cross") {
+  for (const double length : {0.6, 1.0, 2.5})
+    for (const double max_error : {std::numeric_limits<double>::infinity(), 0.1}) {
+      CAPTURE(length);
+      Mesh mesh = crumpled_sheets(12, 0.05, 5);
+      const Report report = run_remesh(mesh, {.length = length, .max_error = max_error});
+      CHECK(report.faces_removed > 0);
+      const Soup out = to_soup(view_of(mesh));
+      CHECK(self_intersections(out.points, out.triangles, Context(), Neighbors::judge).empty());
+      CHECK(report.figures.count("crossing pairs") == 0);
+    }
+}
+
+TEST_CASE("remesh: small round holes, slots and corners stay, however long the edges are to be") {
+  // A plate, cut out cell by cell, whose outline turns by 45 degrees at some places: no corners by themselves.
+  const double length = 6, limit = 0.05 * length;
+  PatchShape plate;
+  plate.nu = plate.nv = 24;
+  plate.keep = [](int i, int j) { return i < 10 || i >= 14 || j < 10 || j >= 14; };
+  plate.point = [](int i, int j) {
+    // The rim of the hole becomes an octagon, 1 to 2 wide.
+    const double x = i - 12, y = j - 12;
+    if (std::max(std::abs(x), std::abs(y)) != 2) return Vec3(x, y, 0);
+    return std::abs(x) == std::abs(y) ? Vec3(0.75 * x, 0.75 * y, 0) : Vec3(x, y, 0);
+  };
+  Mesh mesh = plate.mesh();
+  const Soup before = to_soup(view_of(mesh));
+  run_remesh(mesh, {.length = length});
+  CHECK(live_faces(mesh) < static_cast<int>(before.triangles.size()) / 4);
+  // Every place of the old rim is near the new one: exactly, over the old corners, as distance to a chord is convex.
+  int rim = 0;
+  for (const Vec3& p : before.points) {
+    const double across = std::max(std::abs(p[0]), std::abs(p[1]));
+    if (across > 2 || across <= 1) continue;
+    ++rim;
+    double least = 1e9;
+    for (const EdgeHandle e : mesh.edges()) {
+      if (!mesh.is_boundary(e)) continue;
+      const HalfedgeHandle h = mesh.halfedge_handle(e, 0);
+      const Vec3 q = closest_on_segment(mesh.point(mesh.from_vertex_handle(h)), mesh.point(mesh.to_vertex_handle(h)), p);
+      least = std::min(least, (p - q).norm());
+    }
+    CHECK(least <= 2 * limit);
+  }
+  CHECK(rim == 16);
 }
 
 TEST_CASE("remesh: values are those of the input at the new places; seams and groups stay") {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 #include <utility>
 
 #include "mesh_check.hpp"
@@ -53,6 +54,21 @@ inline PatchShape tube(int around, int along, double r, double z0, double z1) {
     return Vec3(r * std::cos(angle), r * std::sin(angle), z0 + (z1 - z0) * j / along);
   };
   return s;
+}
+
+/// Two crumpled sheets one above the other, which nearly touch, and cross nowhere.
+inline Mesh crumpled_sheets(int cells, double gap, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> height(0, 1.5);
+  PatchShape sheet;
+  sheet.nu = sheet.nv = cells;
+  std::vector<Vec3> points = sheet.points();
+  std::vector<std::array<int, 3>> triangles = sheet.triangles();
+  for (Vec3& p : points) p[2] = height(random);
+  const auto count = static_cast<int>(points.size());
+  for (int i = 0; i < count; ++i) points.push_back(points[static_cast<std::size_t>(i)] + Vec3(0, 0, gap));
+  for (const auto& [a, b, c] : sheet.triangles()) triangles.push_back({a + count, b + count, c + count});
+  return make_mesh(points, triangles);
 }
 
 /// Area of a regular n-gon with circumradius r.

@@ -16,19 +16,12 @@
 #include "meshops/crossings/triangle_pair.hpp"
 #include "meshops/search/key_sort.hpp"
 #include "meshops/search/overlap_tree.hpp"
+#include "meshops/search/spread_bits.hpp"
 
 namespace tri {
 namespace {
 
 using BlockBox = OverlapTree::Box;
-
-/// Spreads the lowest ten bits of `x` to every third bit.
-std::uint32_t spread(std::uint32_t x) {
-  x = (x | x << 16) & 0x030000ff;
-  x = (x | x << 8) & 0x0300f00f;
-  x = (x | x << 4) & 0x030c30c3;
-  return (x | x << 2) & 0x09249249;
-}
 
 /// Triangles sorted along a space-filling curve and cut into blocks; a tree holds the blocks' boxes, and within two overlapping
 /// blocks every pair of boxes is compared on a grid of 16 bits, which the compiler does eight at a time: places keep their
@@ -51,7 +44,7 @@ class Blocks {
       for (std::uint32_t t = range.begin(); t < range.end(); ++t) {
         const Vec3 &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
         std::uint32_t key = 0;
-        for (int k = 0; k < 3; ++k) key |= spread(on_grid(a, k) >> 6) << k;
+        for (int k = 0; k < 3; ++k) key |= spread_bits(on_grid(a, k) >> 6) << k;
         // Triangles without area come last and are left out.
         if (!triangle_has_area(a, b, c)) key = no_area;
         order[t] = {key, t};

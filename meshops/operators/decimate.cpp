@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/crossings/crossing_guard.hpp"
 #include "meshops/editing/attribute_seams.hpp"
 #include "meshops/editing/mesh_edit.hpp"
 #include "meshops/editing/plain_vector.hpp"
@@ -30,7 +31,7 @@ constexpr std::size_t queue_block = 8192;
 
 enum class VertexKind : std::uint8_t { free, line, fixed };
 
-enum class Reason : std::uint8_t { none, line, error, topology, flip, needle, numbers, count };
+enum class Reason : std::uint8_t { none, line, error, topology, flip, needle, crossing, numbers, count };
 
 constexpr std::array<const char*, static_cast<std::size_t>(Reason::count)> reason_names{
     "",
@@ -39,6 +40,7 @@ constexpr std::array<const char*, static_cast<std::size_t>(Reason::count)> reaso
     "would change the topology",
     "would turn a triangle over",
     "would make a needle",
+    "would make triangles cross",
     "numbers out of range"};
 
 /// A collapse as it would be done.
@@ -94,6 +96,7 @@ class Decimator {
     reasons_.assign(mesh_.n_edges(), Reason::none);
     moved_.assign(mesh_.n_vertices(), 0);
     find_unit();
+    guard_.emplace(view_, context_);
     for_each_block(context_, "", mesh_.n_edges(), queue_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         lines_[i] = features.edges[i] == EdgeClass::boundary || (!seams.empty() && seams[i]);
@@ -257,6 +260,8 @@ class Decimator {
         continue;
       }
       reasons_[i] = judge(c);
+      if (reasons_[i] == Reason::none && guard_->collapse_makes_worse(c.halfedge, c.place))
+        reasons_[i] = Reason::crossing;
       if (reasons_[i] == Reason::none) carry_out(c);
     }
     context_.progress("decimate", 1);
@@ -309,6 +314,7 @@ class Decimator {
       moved_[stays.idx()] = 1;
     }
     collapse(view_, h);
+    guard_->done();
     ++report_.vertices_removed;
     enter_again(stays);
   }
@@ -364,6 +370,7 @@ class Decimator {
   std::vector<Reason> reasons_;      ///< per edge: why it was refused last
   std::vector<std::uint8_t> moved_;  ///< per vertex
   CollapseStars stars_;
+  std::optional<CrossingGuard> guard_;
 };
 
 }  // namespace

@@ -37,7 +37,8 @@ struct DecimateOptions {
 ///
 /// Never done: a collapse that would change the topology (link condition [Dey et al. 1999]; boundary loops and
 /// components stay), turn a triangle over (more than about 75 degrees), make a needle (see `min_roundness`), join two
-/// boundaries or seams, or cut a chord between two places of one. Corners at which three seams or boundaries meet stay
+/// boundaries or seams, cut a chord between two places of one, or make more pairs of triangles cross than did before
+/// (exact, `CrossingGuard`): a mesh that does not intersect itself does not do so afterwards. Corners at which three seams or boundaries meet stay
 /// where they are. A boundary or crease moves within the error only; a straight one stays straight.
 ///
 /// With a selection only its faces count for the targets, and all vertices stay around which there is a face outside.

@@ -8,16 +8,21 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/crossings/crossing_guard.hpp"
 #include "meshops/editing/mesh_before.hpp"
 #include "meshops/editing/mesh_edit.hpp"
 #include "meshops/editing/place_values.hpp"
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
+#include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/search/closest_triangle.hpp"
 #include "meshops/shape/collapse_stars.hpp"
 #include "meshops/shape/curvature_lengths.hpp"
 #include "meshops/shape/edge_lines.hpp"
+#include "meshops/shape/surface_survey.hpp"
+#include "meshops/shape/target_lengths.hpp"
 #include "meshops/shape/triangle_shape.hpp"
+#include "meshops/shape/valence_excess.hpp"
 
 namespace tri {
 namespace {
@@ -28,6 +33,7 @@ constexpr double longest = 4.0 / 3, shortest = 4.0 / 5;  // of the length aimed 
 constexpr double least_tilt_cosine = 0.2;                     // between the normals of a triangle before and after
 constexpr double flip_cosine = 0.8;                      // between the normals of two triangles before and after a flip
 constexpr double least_roundness = 0.2;  // of triangles made by a flip or collapse, unless worse ones go
+constexpr double line_share = 0.05;   // of the length: how far a line may be cut short
 constexpr double still = 1e-6;           // of the length: vertices that would move less stay
 constexpr double most_triangles = 1 << 28;
 constexpr std::size_t remesh_block = 2048;
@@ -54,12 +60,15 @@ class Remesher {
     prepare();
     for (int round = 0; round < options_.iterations; ++round) {
       round_ = round;
+      if (guard_) guard_->build();
+      else guard_.emplace(view_, context_);
       split();
       collapse_short();
       equalise_valences();
       smooth();
     }
     for (int k = 0; k < 2; ++k) {
+      guard_->build();
       equalise_valences();
       smooth();
     }
@@ -86,40 +95,26 @@ class Remesher {
     for (std::size_t t = 0; t < triangles_.size(); ++t)
       for (const std::uint32_t v : triangles_[t]) near_[v] = static_cast<std::uint32_t>(t);
     choose_lengths();
+    crossings_before_ = crossing_pairs(points_, triangles_, context_).size();
   }
 
   void choose_lengths() {
-    double sum = 0, edges = 0, area = 0;
-    for (std::size_t i = 0; i < mesh_.n_edges(); ++i) {
-      const EdgeHandle e(static_cast<int>(i));
-      if (mesh_.status(e).deleted() || !view_.may_change(e)) continue;
-      sum += length_of(e);
-      edges += 1;
-    }
-    length_ = options_.length > 0 ? options_.length : edges > 0 ? sum / edges : 1;
+    double length = options_.length;
+    if (!(length > 0)) length = options_.adaptive ? diagonal_of(points_, triangles_) / 20 : mean_edge_length(view_);
+    if (!(length > 0)) length = 1;  // all edges without length
+    std::vector<double> sizes;
     if (options_.adaptive) {
-      if (!(options_.length > 0)) {
-        Vec3 low = points_[triangles_[0][0]], high = low;
-        for (const Triangle& t : triangles_)
-          for (const std::uint32_t v : t) low.minimize(points_[v]), high.maximize(points_[v]);
-        length_ = (high - low).norm() / 20;
-      }
-      const double least = options_.min_length > 0 ? std::min(options_.min_length, length_) : length_ / 20;
-      input_sizes_ = curvature_lengths(view_, *lines_, options_.max_error, least, length_, context_);
-      sizes_ = input_sizes_;
+      const double least = options_.min_length > 0 ? std::min(options_.min_length, length) : length / 20;
+      sizes = curvature_lengths(view_, *lines_, options_.max_error, least, length, context_);
     }
-    if (!(length_ > 0)) length_ = 1;  // all edges without length
-    for (const Triangle& t : triangles_) {
-      const double size = options_.adaptive ? (sizes_[t[0]] + sizes_[t[1]] + sizes_[t[2]]) / 3 : length_;
-      area += 0.5 * ((points_[t[1]] - points_[t[0]]) % (points_[t[2]] - points_[t[0]])).norm() / (size * size);
-    }
-    const double triangles = area * 4 / std::numbers::sqrt3;
+    lengths_ = TargetLengths(length, std::move(sizes));
+    const double triangles = lengths_.triangle_count(points_, triangles_);
     if (triangles > most_triangles)
-      throw InvalidInput("an edge length of " + std::to_string(length_) + " would make " + std::to_string(triangles) +
+      throw InvalidInput("an edge length of " + std::to_string(length) + " would make " + std::to_string(triangles) +
                          " triangles; at most 268435456 are possible");
   }
 
-  double size_of(VertexHandle v) const { return options_.adaptive ? sizes_[index(v)] : length_; }
+  double size_of(VertexHandle v) const { return lengths_.at(v); }
   double size_of(VertexHandle a, VertexHandle b) const { return std::min(size_of(a), size_of(b)); }
   Vec3 vector_of(HalfedgeHandle h) const {
     return view_.point(mesh_.to_vertex_handle(h)) - view_.point(mesh_.from_vertex_handle(h));
@@ -181,11 +176,14 @@ class Remesher {
     const std::int32_t line = line_[index(e)];
     const Vec3 middle = 0.5 * (view_.point(a) + view_.point(b));
     const std::size_t new_edge = mesh_.n_edges();
+    FaceHandle beside = mesh_.face_handle(h);
+    if (!beside.is_valid()) beside = mesh_.face_handle(mesh_.opposite_halfedge_handle(h));
     const VertexHandle v = split_edge(view_, e, middle, 0.5);
+    guard_->added(beside);
     kinds_.resize(mesh_.n_vertices(), EdgeKind::free);
     near_.resize(mesh_.n_vertices(), near_[index(a)]);
     line_.resize(mesh_.n_edges(), EdgeLines::none);
-    if (options_.adaptive) sizes_.resize(mesh_.n_vertices(), 0.5 * (sizes_[index(a)] + sizes_[index(b)]));
+    lengths_.add_between(a, b);
     if (line != EdgeLines::none) {
       kinds_[index(v)] = EdgeKind::along;
       line_[new_edge] = line;
@@ -193,14 +191,21 @@ class Remesher {
       const Vec3 place = lines_->closest(middle, line);
       const double most = 0.81 * (view_.point(b) - view_.point(a)).sqrnorm();
       if ((place - view_.point(a)).sqrnorm() < most && (place - view_.point(b)).sqrnorm() < most)
-        set_point(view_, v, place);
+        move_unless_worse(v, place);
       return;
     }
     const ClosestTriangle::Hit hit = surface_->closest(middle, near_[index(v)]);
     near_[index(v)] = hit.triangle;
     // On the surface at once, if that is near: a fold of the input may lie between.
     if (hit.distance < 0.25 * (view_.point(b) - view_.point(a)).norm() && fits(v, hit.point))
-      set_point(view_, v, hit.point);
+      move_unless_worse(v, hit.point);
+  }
+
+  /// Unless triangles would cross.
+  void move_unless_worse(VertexHandle v, const Vec3& to) {
+    if (to == view_.point(v) || guard_->move_makes_worse(v, to)) return;
+    set_point(view_, v, to);
+    guard_->done();
   }
 
   /// Whether a vertex can move without turning over a triangle.
@@ -231,9 +236,14 @@ class Remesher {
       const HalfedgeHandle h = mesh_.halfedge_handle(e, 0), o = mesh_.opposite_halfedge_handle(h);
       // Towards the end whose edges stay closer to the length aimed at.
       const double there = collapse_cost(h), back = collapse_cost(o);
-      const HalfedgeHandle better = there <= back ? h : o;
-      if (std::isinf(std::min(there, back))) continue;
-      do_collapse(better);
+      for (const bool forth : {there <= back, there > back}) {
+        const HalfedgeHandle g = forth ? h : o;
+        if (std::isinf(forth ? there : back) ||
+            guard_->collapse_makes_worse(g, view_.point(mesh_.to_vertex_handle(g))))
+          continue;
+        do_collapse(g);
+        break;
+      }
     }
   }
 
@@ -262,9 +272,11 @@ class Remesher {
         const Vec3 &p = view_.point(v), &q = view_.point(w);
         if (too_far((p + q + to) / 3.0, near_[index(v)]) || too_far(0.5 * (p + to), near_[index(v)])) return no;
       }
-    if (bounded() && a == EdgeKind::along && line_stands_off(goes, stays, line)) return no;
+    if (a == EdgeKind::along && line_stands_off(goes, stays, line)) return no;
     return most;
   }
+
+  double line_limit(VertexHandle v) const { return std::min(options_.max_error, line_share * size_of(v)); }
 
   /// Whether a line without one of its vertices would be too far from what it was.
   bool line_stands_off(VertexHandle goes, VertexHandle stays, std::int32_t line) const {
@@ -272,8 +284,9 @@ class Remesher {
     HalfedgeHandle h = first;
     do {
       if (line_[index(mesh_.edge_handle(h))] == line && mesh_.to_vertex_handle(h) != stays) {
-        const Vec3 middle = 0.5 * (view_.point(mesh_.to_vertex_handle(h)) + view_.point(stays));
-        return (lines_->closest(middle, line) - middle).norm() > options_.max_error;
+        const Vec3 &p = view_.point(mesh_.to_vertex_handle(h)), &q = view_.point(stays), &v = view_.point(goes);
+        const double limit = line_limit(goes);
+        return (closest_on_segment(p, q, v) - v).norm() > limit || lines_->chord_error(p, q, line) > limit;
       }
       h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
     } while (h != first);
@@ -289,13 +302,16 @@ class Remesher {
       next = prev = std::max(next, prev);
     }
     collapse(view_, h);
+    guard_->done();
   }
 
   void equalise_valences() {
     const std::size_t n = mesh_.n_vertices();
     std::vector<int> excess(n, 0);  // of the valence over what suits the angle around the vertex
     for_each_block(context_, "", n, remesh_block, [&](std::size_t, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) excess[i] = valence_excess(VertexHandle(static_cast<int>(i)));
+      for (std::size_t i = begin; i < end; ++i) {
+        excess[i] = valence_excess(view_, VertexHandle(static_cast<int>(i)), kinds_[i] != EdgeKind::free);
+      }
     });
     for (int sweep = 0; sweep < 4; ++sweep) {
       std::size_t flips = 0;
@@ -311,40 +327,16 @@ class Remesher {
         // The sum of squares changes by twice this, plus 4.
         const int change = -excess[index(a)] - excess[index(b)] + excess[index(c)] + excess[index(d)] + 2;
         if (change > 0) continue;
-        if (!flip_is_good(a, b, c, d, change < 0) || !mesh_.is_flip_ok(e)) continue;
+        if (!flip_is_good(a, b, c, d, change < 0) || !mesh_.is_flip_ok(e) || guard_->flip_makes_worse(e))
+          continue;
         flip_edge(view_, e);
+        guard_->done();
         --excess[index(a)], --excess[index(b)], ++excess[index(c)], ++excess[index(d)];
         ++flips;
       }
       report_.edges_flipped += flips;
       if (flips == 0) break;
     }
-  }
-
-  int valence_excess(VertexHandle v) const {
-    const HalfedgeHandle first = mesh_.halfedge_handle(v);
-    if (mesh_.status(v).deleted() || !first.is_valid()) return 0;
-    if (kinds_[index(v)] == EdgeKind::free) {
-      int valence = 0;
-      HalfedgeHandle h = first;
-      do {
-        ++valence;
-        h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
-      } while (h != first);
-      return valence - 6;
-    }
-    double angle = 0;
-    int faces = 0;
-    HalfedgeHandle h = first;
-    do {
-      if (!mesh_.is_boundary(h)) {
-        const Vec3 a = vector_of(h), b = -vector_of(mesh_.prev_halfedge_handle(h));
-        angle += std::atan2((a % b).norm(), a | b);
-        ++faces;
-      }
-      h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
-    } while (h != first);
-    return faces - std::max(1, static_cast<int>(std::lround(angle / (std::numbers::pi / 3))));
   }
 
   /// Whether the triangles (c, a, d) and (d, b, c) may stand for (a, b, c) and (b, a, d).
@@ -374,7 +366,8 @@ class Remesher {
     for_each_block(context_, "", n, remesh_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) find_place(VertexHandle(static_cast<int>(i)));
     });
-    take_back_folds();
+    do take_back_folds();
+    while (take_back_crossings());
     for (std::size_t i = 0; i < n; ++i) {
       if (i % 65536 == 0) checkpoint(0.9);
       if (!moves_[i]) continue;
@@ -382,11 +375,8 @@ class Remesher {
       set_point(view_, v, to_[i]);
       if (kinds_[i] == EdgeKind::along) continue;
       near_[i] = hits_[i];
-      if (options_.adaptive) {
-        const Triangle& t = triangles_[hits_[i]];
-        const std::array<double, 3> w = triangle_weights(surface_->corners(hits_[i]), to_[i]);
-        sizes_[i] = w[0] * input_sizes_[t[0]] + w[1] * input_sizes_[t[1]] + w[2] * input_sizes_[t[2]];
-      }
+      if (options_.adaptive)
+        lengths_.move(v, triangles_[hits_[i]], triangle_weights(surface_->corners(hits_[i]), to_[i]));
     }
   }
 
@@ -412,6 +402,15 @@ class Remesher {
       } while (h != first);
       if (!(total > 0)) return;
       to_[i] = lines_->closest(p + sum / total, line);
+      const double limit = line_limit(v);
+      do {
+        if (line_[index(mesh_.edge_handle(h))] == line) {
+          const Vec3& q = view_.point(mesh_.to_vertex_handle(h));
+          const double error = lines_->chord_error(to_[i], q, line);
+          if (error > limit && error > lines_->chord_error(p, q, line)) return;
+        }
+        h = mesh_.opposite_halfedge_handle(mesh_.prev_halfedge_handle(h));
+      } while (h != first);
     } else {
       Vec3 sum(0, 0, 0), normal(0, 0, 0);
       double total = 0;
@@ -462,6 +461,24 @@ class Remesher {
     }
   }
 
+  /// Vertices of triangles that would cross others stay where they are. @return whether there are any
+  bool take_back_crossings() {
+    const MeshBefore now(view_);
+    std::vector<Vec3> places = now.points();
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (moves_[i]) places[i] = to_[i];
+    bool any = false;
+    crossings_ = 0;
+    for (const auto& pair : crossing_pairs(places, now.triangles(), context_)) {
+      bool moves = false;
+      for (const std::uint32_t t : pair)
+        for (const std::uint32_t v : now.triangles()[t]) moves = moves || moves_[v], moves_[v] = 0;
+      any = any || moves;
+      crossings_ += 1;
+    }
+    return any;
+  }
+
   bool spoiled(FaceHandle f) const {
     if (mesh_.status(f).deleted()) return false;
     const auto [a, b, c] = corners(f);
@@ -483,33 +500,7 @@ class Remesher {
   }
 
   void describe() {
-    const std::size_t n = mesh_.n_faces();
-    struct Part {
-      double farthest = 0, smallest = std::numbers::pi;
-      std::size_t faces = 0;
-    };
-    std::vector<Part> parts((n + remesh_block - 1) / remesh_block);
-    for_each_block(context_, "", n, remesh_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
-      Part& part = parts[block];
-      for (std::size_t i = begin; i < end; ++i) {
-        const FaceHandle f(static_cast<int>(i));
-        if (mesh_.status(f).deleted()) continue;
-        ++part.faces;
-        const auto [a, b, c] = corners(f);
-        const std::array<Vec3, 3> p{view_.point(a), view_.point(b), view_.point(c)};
-        for (int k = 0; k < 3; ++k) {
-          const Vec3 u = p[(k + 1) % 3] - p[k], w = p[(k + 2) % 3] - p[k];
-          part.smallest = std::min(part.smallest, std::atan2((u % w).norm(), u | w));
-          part.farthest = std::max(part.farthest, surface_->closest(p[k] + 0.5 * u, near_[index(a)]).distance);
-          part.farthest = std::max(part.farthest, surface_->closest(p[k], near_[index(a)]).distance);
-        }
-        part.farthest =
-            std::max(part.farthest, surface_->closest((p[0] + p[1] + p[2]) / 3.0, near_[index(a)]).distance);
-      }
-    });
-    Part all;
-    for (const Part& part : parts)
-      all = {std::max(all.farthest, part.farthest), std::min(all.smallest, part.smallest), all.faces + part.faces};
+    const SurfaceSurvey all = survey_surface(view_, *surface_, near_, context_);
     double in_range = 0, edges = 0, aim = 0;
     for (std::size_t i = 0; i < mesh_.n_edges(); ++i) {
       const EdgeHandle e(static_cast<int>(i));
@@ -520,10 +511,14 @@ class Remesher {
       aim += relative > 0 ? length_of(e) / relative : 0;
     }
     report_.figures["faces"] = static_cast<double>(all.faces);
-    report_.figures["greatest distance"] = all.farthest;
-    report_.figures["smallest angle"] = all.smallest * 180 / std::numbers::pi;
+    report_.figures["greatest distance"] = all.greatest_distance;
+    report_.figures["smallest angle"] = all.smallest_angle * 180 / std::numbers::pi;
     report_.figures["edges in range"] = edges > 0 ? in_range / edges : 1;
-    report_.figures["length"] = options_.adaptive && edges > 0 ? aim / edges : length_;
+    if (crossings_ > 0) report_.figures["crossing pairs"] = static_cast<double>(crossings_);
+    if (crossings_ > crossings_before_)
+      report_.notes.push_back(std::to_string(crossings_) + " pairs of triangles cross, " +
+                              std::to_string(crossings_before_) + " did before");
+    report_.figures["length"] = options_.adaptive && edges > 0 ? aim / edges : lengths_.longest();
     before_.compare(view_, report_);
   }
 
@@ -551,7 +546,8 @@ class Remesher {
   CollapseStars stars_;
   int round_ = 0;
   double share_ = 0;
-  double length_ = 0;
+  std::size_t crossings_before_ = 0, crossings_ = 0;  ///< pairs of triangles
+  std::optional<CrossingGuard> guard_;
 
   const MeshBefore before_;
   PlaceValues values_;
@@ -559,9 +555,8 @@ class Remesher {
   const std::vector<Triangle>& triangles_ = before_.triangles();  ///< of the input
   std::optional<ClosestTriangle> surface_;
   std::optional<EdgeLines> lines_;
-  std::vector<double> input_sizes_;  ///< per vertex of the input, if adaptive
 
-  std::vector<double> sizes_;        ///< per vertex, if adaptive
+  TargetLengths lengths_;
   std::vector<EdgeKind> kinds_;          ///< per vertex
   std::vector<std::uint32_t> near_;  ///< per vertex: a triangle of the input close by
   std::vector<std::int32_t> line_;   ///< per edge

@@ -37,13 +37,17 @@ struct RemeshOptions {
 /// into one of their ends, flips towards even valences, moves vertices towards the centre of the triangles around them,
 /// and puts them back on the input: the closest place of its triangles, or of its line. Boundaries, creases
 /// (`feature_angle`) and seams of attributes are lines: their vertices slide along the input's polylines, from corner
-/// to corner; corners (where lines meet, end, or turn by more than 50 degrees) stay. So every vertex lies on the input,
-/// on its polyline where it belongs to one, to rounding. Topology stays. Nothing is done that turns a triangle over.
+/// to corner; corners (where lines meet, end, or turn by more than 50 degrees) stay, and no line is cut short by more
+/// than a twentieth of the length: small holes and rounded corners keep shorter edges. So every vertex lies on the
+/// input, on its polyline where it belongs to one, to rounding (or in the middle of an edge that was split, where
+/// triangles would cross otherwise). Topology stays. Nothing is done that turns a triangle over, or makes more pairs of
+/// triangles cross than did before (exact, `CrossingGuard`; only the middle of an edge that is split may be rounded
+/// across something that touches the edge).
 ///
 /// Values of vertices and corners are those of the input at the new places. With a selection the rim of it stays.
 /// Figures: "length" (aimed at; adaptive: the mean), "greatest distance" (of vertices, middles of edges and of
 /// triangles to the input), "edges in range" (share within 4/5 to 4/3 of what was aimed at), "smallest angle"
-/// (degrees), "faces".
+/// (degrees), "faces"; "crossing pairs" of triangles, if there are any, and a note if there are more than before.
 ///
 /// Near-linear. Smoothing and projection use all threads, the rest is serial; the same result for any number of
 /// threads. On cancel (checked every 256 edges) the mesh is valid, somewhere on the way; values are as far as they were

@@ -1,5 +1,6 @@
 #include "meshops/shape/edge_lines.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -76,6 +77,15 @@ Vec3 EdgeLines::closest(const Vec3& p, std::int32_t line) const {
         if (d < distance || (d == distance && i < at)) best = q, distance = d, at = i;
       });
   return best;
+}
+
+double EdgeLines::chord_error(const Vec3& from, const Vec3& to, std::int32_t line) const {
+  double most = 0;
+  for (const double share : {0.25, 0.5, 0.75}) {
+    const Vec3 p = from + share * (to - from);
+    most = std::max(most, (closest(p, line) - p).norm());
+  }
+  return most;
 }
 
 }  // namespace tri

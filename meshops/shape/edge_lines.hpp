@@ -33,6 +33,9 @@ class EdgeLines {
   /// The point of a line that is nearest. @param line  that has an edge
   Vec3 closest(const Vec3& p, std::int32_t line) const;
 
+  /// How far a chord is from a line: the greatest distance of three places, a quarter of the chord apart.
+  double chord_error(const Vec3& from, const Vec3& to, std::int32_t line) const;
+
  private:
   struct Segment {
     Vec3 a, b;
