@@ -34,13 +34,6 @@ constexpr double stitched_share = 0.02;  ///< of the deviation that is allowed: 
 constexpr const char* undone_name = "beyond max-deviation, undone";
 constexpr double left_for_later = 0.45;  ///< of it: for each of two steps that follow
 
-double soup_diagonal(const Soup& soup) {
-  Vec3 low = Vec3(1, 1, 1) * std::numeric_limits<double>::infinity(), high = -low;
-  for (const Triangle& t : soup.triangles)
-    for (const std::uint32_t v : t) low.minimize(soup.points[v]), high.maximize(soup.points[v]);
-  return soup.triangles.empty() ? 0 : (high - low).norm();
-}
-
 bool rounds_to_floats(const Soup& soup) {
   return std::ranges::any_of(soup.points, [](const Vec3& p) { return p != rounded_to_floats(p); });
 }

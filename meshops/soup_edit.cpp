@@ -81,6 +81,14 @@ void check_soup(const Soup& soup, const Context* context) {
   if (!soup.vertex_normals.empty()) check_length("vertex_normals", soup.vertex_normals.size(), points);
 }
 
+double soup_diagonal(const Soup& soup) {
+  if (soup.triangles.empty()) return 0;
+  Vec3 low = soup.points[soup.triangles[0][0]], high = low;
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t v : t) low.minimize(soup.points[v]), high.maximize(soup.points[v]);
+  return (high - low).norm();
+}
+
 void keep_triangles(Soup& soup, const std::vector<char>& keep, const Context* context) {
   Pace pace(context);
   const auto shrink = [&](auto& list, std::size_t per_triangle) {

@@ -28,6 +28,9 @@ inline Vec3 area_vector(const Soup& soup, const Triangle& t) {
   return (soup.points[t[1]] - soup.points[t[0]]) % (soup.points[t[2]] - soup.points[t[0]]);
 }
 
+/// Length of the diagonal of the box around all triangles; 0 if there are none.
+double soup_diagonal(const Soup& soup);
+
 // Every change below carries all attributes along; linear in what it touches unless it says otherwise.
 
 /// Drops the triangles whose entry in `keep` is 0; the others keep their order. O(triangles).

@@ -12,6 +12,7 @@
 #include "meshops/operators/make_solid.hpp"
 #include "meshops/repair.hpp"
 #include "meshops/search/closest_triangle.hpp"
+#include "meshops/single_precision.hpp"
 
 using namespace tri;
 
@@ -385,6 +386,55 @@ TEST_CASE("make-solid: for single precision also sheets that meet in one point c
     CHECK(contacts(soup) == 0);
     CHECK(share_kept(before, soup) == 1);
   }
+}
+
+TEST_CASE("make-solid: for single precision thin solids that rounding turns inside out are turned round") {
+  std::mt19937 random(11);
+  const auto real = [&] { return 2.0 * static_cast<double>(random() % 100000) / 100000 - 1; };
+  const auto tetrahedron = [](const std::array<Vec3, 4>& p) { return (p[1] - p[0]) | ((p[2] - p[0]) % (p[3] - p[0])); };
+  Soup soup;
+  constexpr int solids = 20;
+  for (int i = 0; i < solids; ++i) {
+    std::array<Vec3, 4> p, rounded;
+    do {
+      p[0] = Vec3(60 + i, 61, 62) + Vec3(real(), real(), real()) * 0.1;
+      for (std::size_t k = 1; k < 3; ++k) p[k] = p[0] + Vec3(real(), real(), real()) * 0.1;
+      const Vec3 along = (p[1] - p[0]) * real() + (p[2] - p[0]) * real(), up = (p[1] - p[0]) % (p[2] - p[0]);
+      p[3] = p[0] + along + up * (2e-6 / up.norm());
+      std::ranges::transform(p, rounded.begin(), rounded_to_floats);
+    } while (!(tetrahedron(p) > 0 && tetrahedron(rounded) < -1e-12));
+    const auto first = static_cast<std::uint32_t>(soup.points.size());
+    for (const Vec3& corner : p) soup.points.push_back(corner);
+    for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{2, 0, 3}})
+      soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  put_beside(soup, cell_box(Vec3(60, 70, 60), Vec3(62, 72, 62)));
+  put_beside(soup, cell_box(Vec3(61, 70.5, 60.5), Vec3(63, 71.5, 61.5)));
+  const Soup before = soup;
+  Context context;
+  const Report report = make_solid(soup, {.single_precision = true}, context);
+  CHECK(report.skipped.empty());
+  CHECK(report.faces_reversed > 0);
+  CHECK(holds_as_floats(soup));
+  CHECK(contacts(soup) == 0);
+  CHECK(share_kept(before, soup) == 1);
+  // The volume of each component.
+  std::vector<std::uint32_t> part(soup.points.size());
+  for (std::uint32_t v = 0; v < part.size(); ++v) part[v] = v;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Triangle& t : soup.triangles) {
+      const std::uint32_t least = std::min({part[t[0]], part[t[1]], part[t[2]]});
+      for (const std::uint32_t v : t) changed |= part[v] != least, part[v] = least;
+    }
+  }
+  std::map<std::uint32_t, double> volumes;
+  for (const Triangle& t : soup.triangles) {
+    const Vec3& origin = soup.points[part[t[0]]];
+    volumes[part[t[0]]] += (soup.points[t[0]] - origin) | ((soup.points[t[1]] - origin) % (soup.points[t[2]] - origin));
+  }
+  CHECK(volumes.size() > solids);
+  for (const auto& [first, six_times] : volumes) CHECK(six_times > 0);
 }
 
 TEST_CASE("make-solid: lids that lie nearly in one plane and overlap come to an end") {

@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "meshops/checks/shells.hpp"
 #include "meshops/crossings/arrangement/solid_from_soup.hpp"
+#include "meshops/crossings/part_touching.hpp"
 #include "meshops/crossings/solid_check.hpp"
 #include "meshops/single_precision.hpp"
 #include "meshops/soup_edit.hpp"
@@ -15,6 +17,7 @@ namespace tri {
 namespace {
 
 constexpr int solid_passes = 4;
+constexpr double parted_share = 1.0 / 16;  ///< of max_deviation: how far vertices that touch move at last
 
 constexpr std::size_t named = 10;
 
@@ -39,6 +42,22 @@ void round_points(Soup& soup, Report& report) {
     report.vertices_moved += rounded != p;
     p = rounded;
   }
+}
+
+/// Plates thinner than what rounding moves may come to face inward.
+void turn_outward(Soup& soup, Report& report, Context& context) {
+  Shells shells = find_shells(soup, context);
+  if (std::ranges::all_of(shells.shells, [](const Shell& s) { return s.volume >= 0; })) return;
+  find_depths(soup, shells, context);
+  for (const Shell& shell : shells.shells) {
+    if (!is_inside_out(shell)) continue;
+    for (const std::uint32_t t : shell.triangles) reverse_triangle(soup, t);
+    report.faces_reversed += shell.triangles.size();
+    ++report.figures["shells that rounding turned inward"];
+    report.touched_faces.insert(report.touched_faces.end(), shell.triangles.begin(), shell.triangles.end());
+  }
+  std::ranges::sort(report.touched_faces);
+  report.touched_faces.erase(std::unique(report.touched_faces.begin(), report.touched_faces.end()), report.touched_faces.end());
 }
 
 void tell_what_is_left(const Soup& soup, const SurfaceContacts& left, bool touching_counts, Report& report) {
@@ -107,7 +126,10 @@ Attempt attempt(const Soup& soup, const MakeSolidOptions& options, int finest, b
   // What the rounding of new vertices made cross is cut again.
   for (int pass = 1; pass < solid_passes && !a.left.none(); ++pass)
     if (!go_on(a, options, finest, floats, context)) break;
-  if (floats) round_points(a.soup, a.report);
+  if (floats) {
+    round_points(a.soup, a.report);
+    turn_outward(a.soup, a.report, context);
+  }
   if (floats || !a.left.none()) look(a, context);
   return a;
 }
@@ -123,11 +145,16 @@ Attempt attempt_with_floats(const Soup& soup, const Soup& as_floats, const MakeS
     Attempt next = best;
     if (!go_on(next, options, GridFrame::floats, true, context)) break;
     round_points(next.soup, next.report);
+    turn_outward(next.soup, next.report, context);
     look(next, context);
     if (!next.better_than(best)) break;
     best = std::move(next);
   }
-  return best;
+  if (best.touching == 0) return best;
+  Attempt parted = best;
+  part_touching_vertices(parted.soup, parted_share * options.max_deviation * soup_diagonal(soup), parted.report, context);
+  look(parted, context);
+  return parted.better_than(best) ? parted : best;
 }
 
 }  // namespace

@@ -20,7 +20,9 @@ struct MakeSolidOptions {
   bool keep_walls = true;
   /// All vertices get coordinates that single precision holds, and what touches is parted by more than its steps
   /// wherever that can be, so that the result is still a solid after it was written as STL and read again. Corners that
-  /// cannot move apart lose their tips (`cut_tips`), and what the rounding made touch is made a solid once more.
+  /// cannot move apart lose their tips (`cut_tips`), what the rounding made touch is made a solid once more, and what it
+  /// turned inside out is turned round; vertices that touch even so move apart by up to a sixteenth of `max_deviation`
+  /// (`part_touching_vertices`).
   bool single_precision = false;
 
   /// The fields as options with units, ranges and help; read-only, from any thread.
@@ -41,7 +43,7 @@ struct MakeSolidOptions {
 /// interpolated within the triangle that a new vertex lies on.
 ///
 /// Figures: "holes closed", "crossing pairs", "rounds of cutting", "faces inside dropped", "faces kept as thin walls",
-/// "duplicates dropped", "triangles reversed". `skipped`: "pairs that still cross" (then the result is not free of
+/// "duplicates dropped", "triangles reversed", "shells that rounding turned inward" (and that were turned round). `skipped`: "pairs that still cross" (then the result is not free of
 /// self-intersections). `touched_faces` are those that are new.
 /// Where a solid was made once more of the result, `figures["passes"]` says how often in all.
 /// @throws InvalidInput if an option is out of range or the soup is inconsistent; Cancelled. The soup is then as it

@@ -49,13 +49,6 @@ void tell_what_still_crosses(const Soup& soup, const std::vector<std::array<std:
   }
 }
 
-double diagonal_of(const Soup& soup) {
-  Vec3 low = soup.points[soup.triangles[0][0]], high = low;
-  for (const Triangle& t : soup.triangles)
-    for (const std::uint32_t v : t) low.minimize(soup.points[v]), high.maximize(soup.points[v]);
-  return (high - low).norm();
-}
-
 }  // namespace
 
 const OptionSchema& RemoveSelfIntersectionsOptions::schema() {
@@ -81,7 +74,7 @@ Report remove_self_intersections(Soup& soup, const RemoveSelfIntersectionsOption
   done(crossing.empty() ? 1 : 0.2);
   if (crossing.empty()) return report;
   report.figures["crossing pairs"] = static_cast<double>(crossing.size());
-  const double farthest = options.max_deviation * diagonal_of(soup);
+  const double farthest = options.max_deviation * soup_diagonal(soup);
   double left_to_move = farthest;
   Soup work = soup;
   if (options.method != CrossingMethod::split) {
