@@ -292,10 +292,11 @@ class Refiller {
          {HoleStrategy::least_bending, HoleStrategy::nearest_diagonal, HoleStrategy::minimum_area}) {
       RingFilling filling = fill_ring(ring, strategy, dynamic_edges, context_);
       if (filling.triangles.empty()) return false;
-      std::size_t crossings = count_crossings(ring.points, surroundings, filling.triangles, context_);
+      const FillingCrossings found = find_crossings(ring.points, surroundings, filling.triangles, context_);
+      std::size_t crossings = found.count;
       // Where more crosses, the rim does, which no filling helps.
       if (strategy == HoleStrategy::least_bending && crossings > 0 && 2 * crossings <= most_to_untangle + ring.points.size())
-        crossings = untangle_filling(ring, surroundings, crossings, filling.triangles, context_);
+        crossings = untangle_filling(ring, surroundings, found, filling.triangles, context_);
       if (crossings > 0) {
         reason = std::max(reason, PlaceLeft::Reason::crosses);
         continue;

@@ -1,6 +1,7 @@
 #include "meshops/holes/filling_obstacles.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "meshops/crossings/triangle_pair.hpp"
@@ -41,6 +42,36 @@ std::array<Vec3, 3> places(MeshView view, const VertexTriple& t) {
   return {view.point(t[0]), view.point(t[1]), view.point(t[2])};
 }
 
+/// In how many pieces a triangle goes into a tree: several if it is a needle, since its box is nearly empty if it lies askew.
+int pieces_of(const std::array<Vec3, 3>& at) {
+  constexpr double needle = 16;  // length over height
+  constexpr int most = 16;
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, (at[(k + 1) % 3] - at[k]).sqrnorm());
+  const double twice_area = ((at[1] - at[0]) % (at[2] - at[0])).norm();
+  int pieces = 1;
+  while (pieces < most && longest > needle * pieces * twice_area) pieces *= 2;
+  return pieces;
+}
+
+/// The boxes of a triangle halved along its longest side, again and again. @param pieces  a power of two
+/// @param slack  for the rounding of places where it is cut
+void add_boxes(const std::array<Vec3, 3>& at, int pieces, const Vec3& slack, std::vector<OverlapTree::Box>& boxes) {
+  if (pieces == 1) {
+    OverlapTree::Box& box = boxes.emplace_back();
+    for (const Vec3& p : at) box.grow(p);
+    box.lo -= slack;
+    box.hi += slack;
+    return;
+  }
+  std::size_t k = 0;
+  for (std::size_t m = 1; m < 3; ++m)
+    if ((at[(m + 1) % 3] - at[m]).sqrnorm() > (at[(k + 1) % 3] - at[k]).sqrnorm()) k = m;
+  const Vec3 &a = at[k], &b = at[(k + 1) % 3], &c = at[(k + 2) % 3], middle = (a + b) / 2.0;
+  add_boxes({a, middle, c}, pieces / 2, slack, boxes);
+  add_boxes({middle, b, c}, pieces / 2, slack, boxes);
+}
+
 }  // namespace
 
 FillingObstacles::FillingObstacles(MeshView view, std::span<const std::vector<VertexHandle>> rims)
@@ -61,14 +92,43 @@ OverlapTree::Box FillingObstacles::box_of(FaceHandle f) const {
 }
 
 const OverlapTree& FillingObstacles::tree_of(const Faces& faces) const {
-  if (!faces.tree) {
-    std::vector<OverlapTree::Box> boxes;
-    for (const FaceHandle f : faces.faces) boxes.push_back(box_of(f));
-    std::vector<std::uint32_t> items(faces.faces.size());
-    std::iota(items.begin(), items.end(), 0u);
-    faces.tree.emplace(std::move(boxes), std::move(items));
+  if (faces.tree) return *faces.tree;
+  std::vector<OverlapTree::Box> boxes;
+  for (std::uint32_t i = 0; i < faces.faces.size(); ++i) {
+    const auto at = places(view_, corners(view_, faces.faces[i]));
+    const int pieces = pieces_of(at);
+    if (pieces > 1 && faces.face_of.empty()) {
+      faces.face_of.resize(boxes.size());
+      std::iota(faces.face_of.begin(), faces.face_of.end(), 0u);
+      faces.asked.assign(faces.faces.size(), 0);
+    }
+    Vec3 slack(0, 0, 0);
+    if (pieces > 1)
+      for (const Vec3& p : at)
+        for (int k = 0; k < 3; ++k) slack[k] = std::max(slack[k], 1e-15 * std::abs(p[k]));
+    add_boxes(at, pieces, slack, boxes);
+    if (!faces.asked.empty()) faces.face_of.resize(boxes.size(), i);
   }
+  std::vector<std::uint32_t> items(boxes.size());
+  std::iota(items.begin(), items.end(), 0u);
+  faces.tree.emplace(std::move(boxes), std::move(items));
   return *faces.tree;
+}
+
+template <class Find, class Visit>
+void FillingObstacles::each_face(const Faces& faces, const Find& find, const Visit& visit) const {
+  const OverlapTree& tree = tree_of(faces);
+  ++faces.question;
+  find(tree, [&](std::uint32_t item) {
+    if (faces.asked.empty()) {
+      visit(faces.faces[item]);
+      return;
+    }
+    const std::uint32_t face = faces.face_of[item];
+    if (faces.asked[face] == faces.question) return;
+    faces.asked[face] = faces.question;
+    visit(faces.faces[face]);
+  });
 }
 
 void FillingObstacles::start(std::size_t hole) {
@@ -122,12 +182,14 @@ std::vector<FaceHandle> FillingObstacles::pierced(VertexHandle from, VertexHandl
   box.grow(q);
   std::vector<FaceHandle> found;
   for (const Faces* faces : near_)
-    tree_of(*faces).overlapping(box, 0, [&](std::uint32_t i) {
-      const auto at = places(view_, corners(view_, faces->faces[i]));
-      if (std::find(at.begin(), at.end(), p) == at.end() && std::find(at.begin(), at.end(), q) == at.end() &&
-          segment_pierces(p, q, at))
-        found.push_back(faces->faces[i]);
-    });
+    each_face(
+        *faces, [&](const OverlapTree& tree, const auto& visit) { tree.overlapping(box, 0, visit); },
+        [&](FaceHandle f) {
+          const auto at = places(view_, corners(view_, f));
+          if (std::find(at.begin(), at.end(), p) == at.end() && std::find(at.begin(), at.end(), q) == at.end() &&
+              segment_pierces(p, q, at))
+            found.push_back(f);
+        });
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -135,12 +197,14 @@ std::vector<FaceHandle> FillingObstacles::pierced(VertexHandle from, VertexHandl
 int FillingObstacles::crossings_with(const Faces& faces, const std::array<Vec3, 3>& at) const {
   int count = 0;
   const TriangleBox triangle(at);
-  tree_of(faces).meeting(triangle, [&](std::uint32_t i) {
-    const auto at_other = places(view_, corners(view_, faces.faces[i]));
-    if (triangle.beside(at_other)) return;
-    if (triangle_has_area(at_other[0], at_other[1], at_other[2]))
-      count += triangles_meet({0, 1, 2}, at, names(at_other, at), at_other);
-  });
+  each_face(
+      faces, [&](const OverlapTree& tree, const auto& visit) { tree.meeting(triangle, visit); },
+      [&](FaceHandle f) {
+        const auto at_other = places(view_, corners(view_, f));
+        if (triangle.beside(at_other)) return;
+        if (triangle_has_area(at_other[0], at_other[1], at_other[2]))
+          count += triangles_meet({0, 1, 2}, at, names(at_other, at), at_other);
+      });
   return count;
 }
 

@@ -41,11 +41,18 @@ class FillingObstacles {
   void add(std::size_t hole, std::span<const FaceHandle> faces);
 
  private:
-  /// Faces in a tree that is built when it is first asked.
+  /// Faces in a tree that is built when it is first asked. Long ones are in it in several pieces, whose boxes together
+  /// are far smaller.
   struct Faces {
     std::vector<FaceHandle> faces;
     mutable std::optional<OverlapTree> tree;
+    mutable std::vector<std::uint32_t> face_of;  ///< of the boxes in the tree: which of `faces`; empty if none was cut
+    mutable std::vector<std::uint32_t> asked;    ///< by face: the last question in which it came up
+    mutable std::uint32_t question = 0;
   };
+  /// Calls `visit(face)` for those whose boxes `find` hands over, each once.
+  template <class Find, class Visit>
+  void each_face(const Faces& faces, const Find& find, const Visit& visit) const;
   const OverlapTree& tree_of(const Faces& faces) const;
   OverlapTree::Box box_of(FaceHandle f) const;
   int crossings_with(const Faces& faces, const std::array<Vec3, 3>& at) const;

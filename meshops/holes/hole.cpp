@@ -150,11 +150,12 @@ HoleFilling Hole::fill(HoleStrategy strategy, int max_dynamic_edges, const Filli
   for (const HoleStrategy next : strategies) {
     RingFilling filling = fill_ring(whole, next, max_dynamic_edges, context);
     if (filling.triangles.empty()) continue;
-    std::size_t crossings = count_crossings(points_, surroundings, filling.triangles, context);
+    const FillingCrossings found = find_crossings(points_, surroundings, filling.triangles, context);
+    std::size_t crossings = found.count;
     if (crossings > 0) {
       if (surroundings.unavoidable.empty()) surroundings.unavoidable = unavoidable_crossings(obstacles, least);
       if (crossings > least)
-        crossings = untangle_filling(whole, surroundings, crossings, filling.triangles, context);
+        crossings = untangle_filling(whole, surroundings, found, filling.triangles, context);
     }
     if (best.triangles.empty() || crossings < best.crossings)
       best = {named(filling.triangles), filling.in_pieces, crossings};

@@ -29,59 +29,43 @@ struct CrossingWeight {
   }
 };
 
-struct Crossings {
-  std::size_t count = 0;
-  std::vector<std::int32_t> triangles;  ///< those that take part in more than what is unavoidable, ascending
-};
-
 class Untangler {
  public:
   Untangler(std::span<const Vec3> ring, const RingSurroundings& surroundings, const Context& context)
       : ring_(ring), surroundings_(surroundings), context_(context) {}
 
-  Crossings find(std::span<const RingTriangle> triangles) const {
-    Crossings found;
-    std::vector<char> takes_part(triangles.size(), 0), in_doubt(triangles.size(), 1);
+  FillingCrossings find(std::span<const RingTriangle> triangles) const {
+    FillingCrossings found;
+    std::vector<char> in_doubt(triangles.size(), 1);
     if (surroundings_.in_doubt) in_doubt = surroundings_.in_doubt(triangles);
     std::vector<Triangle> named;
-    std::vector<std::uint32_t> number;  // in the filling, of each in `named`
+    std::vector<std::int32_t> number;  // in the filling, of each in `named`
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       if (t % 256 == 0) context_.checkpoint();
-      if (!in_doubt[t]) continue;
-      const auto at = places(triangles[t]);
-      if (!triangle_has_area(at[0], at[1], at[2])) {
-        found.count += surroundings_.areas_wanted;
-        takes_part[t] = surroundings_.areas_wanted;
-        continue;
-      }
+      if (!in_doubt[t] || !look_around(static_cast<std::int32_t>(t), triangles[t], found)) continue;
       named.push_back(names(triangles[t]));
-      number.push_back(static_cast<std::uint32_t>(t));
-      const int crossings = surroundings_.crossings(triangles[t]);
-      found.count += static_cast<std::size_t>(crossings);
-      takes_part[t] = crossings > unavoidable(triangles[t]);
+      number.push_back(static_cast<std::int32_t>(t));
     }
     if (named.size() > 1)
-      for (const auto& [t, u] : self_intersections(ring_, named, context_, Neighbors::judge)) {
-        ++found.count;
-        takes_part[number[t]] = takes_part[number[u]] = 1;
-      }
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      if (takes_part[t]) found.triangles.push_back(static_cast<std::int32_t>(t));
+      for (const auto& [t, u] : self_intersections(ring_, named, context_, Neighbors::judge))
+        found.inside.push_back({number[t], number[u]});
+    found.count += found.inside.size();
     return found;
   }
 
-  void run(const ChordTest& chord_allowed, std::vector<RingTriangle>& triangles, std::size_t& crossings) {
+  void run(const ChordTest& chord_allowed, FillingCrossings found, std::vector<RingTriangle>& triangles,
+           std::size_t& crossings) {
     std::vector<std::int32_t> all(ring_.size());
     std::iota(all.begin(), all.end(), 0);
     RingTriangulation surface(ring_, {}, chord_allowed, RingObjective::area, all, triangles);
     const std::size_t most = most_weighed + most_weighed_at_edge * ring_.size();
     for (const int size : sizes) {
-      const Crossings found = find(surface.triangles());
-      if (found.triangles.empty()) break;
+      const std::vector<std::int32_t> tangled = taking_part(found, surface.triangles());
+      if (tangled.empty()) break;
       const std::vector<RingTriangle> before = surface.triangles();
       const OverlapTree tree = tree_of(before);
       std::vector<char> seen(before.size(), 0);
-      for (const std::int32_t t : found.triangles) {
+      for (const std::int32_t t : tangled) {
         if (seen[t]) continue;
         if (weighed_ >= most) break;
         context_.checkpoint();
@@ -90,16 +74,72 @@ class Untangler {
           return solve(chord_allowed, surface.triangles(), tree, piece, corners, result);
         });
       }
-      const std::size_t now = find(surface.triangles()).count;
-      if (now < crossings) {
-        crossings = now;
+      const std::size_t last = found.count;
+      found = after_change(found, before, surface.triangles());
+      if (found.count < crossings) {
+        crossings = found.count;
         triangles = surface.triangles();
       }
-      if (weighed_ >= most || (size > sizes[0] && now >= found.count)) break;
+      if (weighed_ >= most || (size > sizes[0] && found.count >= last)) break;
     }
   }
 
  private:
+  /// What a triangle of the filling meets around the ring. @return whether it has an area
+  bool look_around(std::int32_t t, const RingTriangle& triangle, FillingCrossings& found) const {
+    const auto at = places(triangle);
+    const bool has_area = triangle_has_area(at[0], at[1], at[2]);
+    const int count = has_area ? surroundings_.crossings(triangle) : surroundings_.areas_wanted;
+    if (count > 0) found.around.push_back({t, count});
+    found.count += static_cast<std::size_t>(count);
+    return has_area;
+  }
+
+  /// Those that take part in more than what is unavoidable, ascending.
+  std::vector<std::int32_t> taking_part(const FillingCrossings& found, std::span<const RingTriangle> triangles) const {
+    std::vector<std::int32_t> result;
+    for (const auto& [t, count] : found.around)
+      if (count > unavoidable(triangles[t])) result.push_back(t);
+    for (const auto& pair : found.inside) result.insert(result.end(), pair.begin(), pair.end());
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+  }
+
+  /// The crossings after some triangles were replaced by others in their places.
+  FillingCrossings after_change(const FillingCrossings& before, std::span<const RingTriangle> was,
+                                const std::vector<RingTriangle>& now) const {
+    const auto changed = [&](std::int32_t t) { return was[t] != now[t]; };
+    FillingCrossings found;
+    std::size_t next = 0;  // of those that were
+    const OverlapTree tree = tree_of(now);
+    for (std::int32_t t = 0; t < static_cast<std::int32_t>(now.size()); ++t) {
+      const bool had = next < before.around.size() && before.around[next].triangle == t;
+      if (!changed(t)) {
+        if (had) found.around.push_back(before.around[next]), found.count += static_cast<std::size_t>(before.around[next].count);
+        next += had;
+        continue;
+      }
+      next += had;
+      context_.checkpoint();
+      if (!look_around(t, now[t], found)) continue;
+      const auto at = places(now[t]);
+      const TriangleBox triangle(at);
+      tree.meeting(triangle, [&](std::uint32_t item) {
+        const auto other = static_cast<std::int32_t>(item);
+        if (other == t || (other < t && changed(other))) return;  // once for each pair
+        const auto at_other = places(now[item]);
+        if (!triangle.beside(at_other) && triangle_has_area(at_other[0], at_other[1], at_other[2]) &&
+            triangles_meet(names(now[t]), at, names(now[item]), at_other))
+          found.inside.push_back({std::min(t, other), std::max(t, other)});
+      });
+    }
+    for (const auto& pair : before.inside)
+      if (!changed(pair[0]) && !changed(pair[1])) found.inside.push_back(pair);
+    found.count += found.inside.size();
+    return found;
+  }
+
   Triangle names(const RingTriangle& t) const {
     Triangle result;
     for (std::size_t k = 0; k < 3; ++k) result[k] = static_cast<std::uint32_t>(surroundings_.same_as[t[k]]);
@@ -174,17 +214,18 @@ class Untangler {
 
 }  // namespace
 
-std::size_t count_crossings(std::span<const Vec3> ring, const RingSurroundings& surroundings,
-                            std::span<const RingTriangle> triangles, const Context& context) {
-  return Untangler(ring, surroundings, context).find(triangles).count;
+FillingCrossings find_crossings(std::span<const Vec3> ring, const RingSurroundings& surroundings,
+                                std::span<const RingTriangle> triangles, const Context& context) {
+  return Untangler(ring, surroundings, context).find(triangles);
 }
 
-std::size_t untangle_filling(const Ring& ring, const RingSurroundings& surroundings, std::size_t crossings,
+std::size_t untangle_filling(const Ring& ring, const RingSurroundings& surroundings, const FillingCrossings& crossings,
                              std::vector<RingTriangle>& triangles, const Context& context) {
   std::vector<RingTriangle> best = triangles;
-  Untangler(ring.points, surroundings, context).run(ring.chord_allowed, best, crossings);
+  std::size_t least = crossings.count;
+  Untangler(ring.points, surroundings, context).run(ring.chord_allowed, crossings, best, least);
   triangles = best;
-  return crossings;
+  return least;
 }
 
 }  // namespace tri

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -26,19 +27,31 @@ struct RingSurroundings {
   bool areas_wanted = false;
 };
 
-/// Pairs of triangles that meet in more than what they share: in the filling, and with its surroundings.
+/// Where a filling meets something in more than what they share. Triangles by their places in the filling.
+struct FillingCrossings {
+  /// A triangle, and how many around the ring it meets, at least one.
+  struct Around {
+    std::int32_t triangle;
+    int count;
+  };
+  std::size_t count = 0;                           ///< pairs of both kinds
+  std::vector<Around> around;                      ///< ascending
+  std::vector<std::array<std::int32_t, 2>> inside; ///< pairs within the filling
+};
+
+/// Looks for pairs of triangles that meet in more than what they share: in the filling, and with its surroundings.
 /// @throws Cancelled between some 256 triangles
-std::size_t count_crossings(std::span<const Vec3> ring, const RingSurroundings& surroundings,
-                            std::span<const RingTriangle> triangles, const Context& context);
+FillingCrossings find_crossings(std::span<const Vec3> ring, const RingSurroundings& surroundings,
+                                std::span<const RingTriangle> triangles, const Context& context);
 
 /// Takes connected pieces around crossings out of a filling and triangulates them with the fewest crossings, then the
 /// least area, by dynamic programming; first pieces of 12 triangles, then larger ones. Crossings that are known to be unavoidable,
 /// where the faces at the rim cross each other, are left alone. At most 50,000 triangles and 10 more for each edge are
 /// weighed, and a size of pieces that helps nothing is the last.
-/// @param crossings  what `count_crossings` says about `triangles`
+/// @param crossings  what `find_crossings` says about `triangles`
 /// @return how many crossings are left; if no fewer than there were, `triangles` is unchanged
 /// @throws Cancelled between pieces; then `triangles` is unchanged
-std::size_t untangle_filling(const Ring& ring, const RingSurroundings& surroundings, std::size_t crossings,
+std::size_t untangle_filling(const Ring& ring, const RingSurroundings& surroundings, const FillingCrossings& crossings,
                              std::vector<RingTriangle>& triangles, const Context& context);
 
 }  // namespace tri
