@@ -94,12 +94,10 @@ TEST_CASE("crossing_guard: knows faces that were added") {
   std::mt19937 random(3);
   for (int k = 0; k < 60; ++k) {
     const EdgeHandle e(static_cast<int>(random() % mesh.n_edges()));
-    const HalfedgeHandle h = mesh.halfedge_handle(e, mesh.is_boundary(mesh.halfedge_handle(e, 0)) ? 1 : 0);
-    const FaceHandle beside = mesh.face_handle(h);
+    const HalfedgeHandle h = mesh.halfedge_handle(e, 0);
     const Vec3 &a = mesh.point(mesh.from_vertex_handle(h)), &b = mesh.point(mesh.to_vertex_handle(h));
-    // Where the middle is no number of two halves, rounding alone may make neighbours cross.
     const VertexHandle v = split_edge(view_of(mesh), e, 0.5 * (a + b), 0.5);
-    guard.added(beside);
+    guard.split(v);
     const std::size_t before = crossings(mesh);
     const Vec3 place = mesh.point(v) + Vec3(0, 0, k % 2 ? 0.1 : -0.1);
     Mesh copy = mesh;

@@ -10,6 +10,7 @@
 #include "meshops/checks/mesh_distance.hpp"
 #include "meshops/crossings/self_intersections.hpp"
 #include "meshops/operators/decimate.hpp"
+#include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"
 
@@ -178,6 +179,32 @@ TEST_CASE("decimate: the error is kept") {
   const MeshDistance distance = mesh_distance(before, to_soup(view_of(mesh)), {}, context);
   CHECK(distance.rms <= 0.002);
   CHECK(live_faces(mesh) < 2000);
+}
+
+TEST_CASE("decimate: with max-error the distance of the surfaces is measured, both ways") {
+  Mesh mesh = crumpled_sheets(10, 3, 5);
+  const Soup before = to_soup(view_of(mesh));
+  const Report report = run_decimate(mesh, {.max_error = 0.2});
+  REQUIRE(report.faces_removed > 0);
+  const Soup after = to_soup(view_of(mesh));
+  // By brute force, at the corners and many places within.
+  double most = 0;
+  for (const auto& [from, to] : {std::pair{&before, &after}, std::pair{&after, &before}})
+    for (const Triangle& t : from->triangles)
+      for (int i = 0; i <= 6; ++i)
+        for (int j = 0; i + j <= 6; ++j) {
+          const Vec3 p = (i * from->points[t[0]] + j * from->points[t[1]] + (6 - i - j) * from->points[t[2]]) / 6.0;
+          double least = 1e9;
+          for (const Triangle& u : to->triangles)
+            least = std::min(least,
+                             (closest_on_triangle({to->points[u[0]], to->points[u[1]], to->points[u[2]]}, p) - p).norm());
+          most = std::max(most, least);
+        }
+  const double found = report.figures.at("hausdorff"), bound = report.figures.at("hausdorff at most");
+  CHECK(most <= bound * (1 + 1e-9));
+  CHECK(bound <= 1.06 * found);
+  CHECK(most >= 0.8 * found);
+  CHECK(most > report.figures.at("greatest error"));
 }
 
 TEST_CASE("decimate: stops at the first target; half without any") {

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "meshops/crossings/crossing_guard.hpp"
 #include "meshops/error.hpp"
 #include "meshops/operators/subdivide.hpp"
+#include "meshops/to_soup.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
@@ -302,6 +304,62 @@ TEST_CASE("subdivide: two triangles back to back, and points that are not finite
   for (const VertexHandle v : mesh.vertices()) {
     if (v.idx() == 24 || (v.idx() >= 49 && std::isnan(mesh.point(v)[1]))) continue;
     for (int k = 0; k < 3; ++k) CHECK(std::isfinite(mesh.point(v)[k]));
+  }
+}
+
+TEST_CASE("subdivide: nothing comes to cross or is turned over, and what stays for that is counted") {
+  const SubdivideOptions all_smooth{.feature_angle = pi, .corner_angle = pi};
+  const auto none_cross = [](Mesh& mesh) {
+    const Soup out = to_soup(view_of(mesh));
+    return crossing_pairs(out.points, out.triangles, Context()).empty();
+  };
+  const auto kept = [](const Report& report) {
+    CHECK(report.notes.size() == report.skipped.size());
+    return report.skipped.count("vertices where triangles would fold or cross") == 1;
+  };
+  for (const SubdivisionScheme scheme : schemes) {
+    CAPTURE(static_cast<int>(scheme));
+    SubdivideOptions options = all_smooth;
+    options.scheme = scheme;
+    // A tent over a finer one, on which it would sink; crumpled sheets that nearly touch.
+    const std::vector<std::array<int, 3>> sides{{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+    Mesh fine = make_mesh({{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, {0, 0, 1}}, sides);
+    run_subdivide(fine, {.scheme = SubdivisionScheme::midpoint, .levels = 3});
+    const Soup below = to_soup(view_of(fine));
+    std::vector<Vec3> points = below.points;
+    std::vector<std::array<int, 3>> triangles;
+    for (const auto& [a, b, c] : below.triangles)
+      triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
+    const int first = static_cast<int>(points.size());
+    for (int k = 0; k < 5; ++k) points.push_back(points[static_cast<std::size_t>(k)] + Vec3(0, 0, 0.02));
+    for (const auto& [a, b, c] : sides) triangles.push_back({a + first, b + first, c + first});
+    Mesh tents = make_mesh(points, triangles);
+    Mesh sheets = crumpled_sheets(8, 0.02, 3);
+    for (std::size_t i = sheets.n_vertices() / 2; i < sheets.n_vertices(); i += 2)
+      sheets.point(VertexHandle(static_cast<int>(i)))[2] += 1.5;
+    REQUIRE((none_cross(tents) && none_cross(sheets)));
+
+    const bool tents_kept = kept(run_subdivide(tents, options));
+    options.levels = 2;
+    const bool sheets_kept = kept(run_subdivide(sheets, options));
+    CHECK((tents_kept || sheets_kept) == (scheme != SubdivisionScheme::midpoint));
+    CHECK(none_cross(tents));
+    CHECK(none_cross(sheets));
+
+    // Needles beside large triangles, in a plane.
+    PatchShape uneven;
+    uneven.nu = uneven.nv = 6;
+    uneven.point = [](int i, int j) { return Vec3(i < 3 ? 0.02 * i : i - 2.9, j < 3 ? j : 2.9 + 0.01 * j, 0); };
+    Mesh plane = uneven.mesh();
+    run_subdivide(plane, {.scheme = scheme, .levels = 2});
+    for (const FaceHandle f : plane.faces()) CHECK(plane.calc_face_normal(f)[2] > 0);
+  }
+}
+
+TEST_CASE("subdivide: on a smooth mesh nothing stays back") {
+  for (const SubdivisionScheme scheme : schemes) {
+    Mesh mesh = tube(12, 6, 2, 0, 6).mesh();
+    CHECK(run_subdivide(mesh, {.scheme = scheme, .levels = 2}).skipped.empty());
   }
 }
 

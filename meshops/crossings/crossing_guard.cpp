@@ -48,6 +48,13 @@ bool triangles_cross(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b)
 
 std::vector<std::array<std::uint32_t, 2>> crossing_pairs(std::span<const Vec3> points,
                                                          std::span<const Triangle> triangles, const Context& context) {
+  std::vector<Vec3> finite;
+  if (!std::all_of(points.begin(), points.end(), [](const Vec3& p) { return is_finite(p); })) {
+    finite.assign(points.begin(), points.end());
+    for (Vec3& p : finite)
+      if (!is_finite(p)) p = Vec3(0, 0, 0);
+    points = finite;
+  }
   auto pairs = self_intersections(points, triangles, context, Neighbors::judge);
   const auto corners = [&](std::uint32_t t) {
     return std::array{points[triangles[t][0]], points[triangles[t][1]], points[triangles[t][2]]};
@@ -244,13 +251,21 @@ void CrossingGuard::done() {
   if (2 * alive_ < alive_at_build_) build();
 }
 
-void CrossingGuard::added(FaceHandle beside) {
-  while (boxes_.size() < view_.mesh.n_faces()) {
-    const Piece piece = piece_of(FaceHandle(static_cast<int>(boxes_.size())));
-    boxes_.add(static_cast<std::uint32_t>(beside.idx()),
-               is_finite(piece) ? boxes_.box_of(piece.at) : MovingBoxes::Box());
-    ++alive_;
+void CrossingGuard::split(VertexHandle v) {
+  const auto box_now = [&](std::uint32_t i) {
+    const Piece piece = piece_of(FaceHandle(static_cast<int>(i)));
+    return is_finite(piece) ? boxes_.box_of(piece.at) : MovingBoxes::Box();
+  };
+  std::uint32_t old = 0;
+  for (const FaceHandle f : view_.mesh.vf_range(v)) {
+    const auto i = static_cast<std::uint32_t>(f.idx());
+    if (i >= boxes_.size()) continue;
+    boxes_.set(i, box_now(i));
+    old = i;
   }
+  for (; boxes_.size() < view_.mesh.n_faces(); ++alive_)
+    boxes_.add(old, box_now(static_cast<std::uint32_t>(boxes_.size())));
+  if (alive_ > 2 * alive_at_build_) build();
 }
 
 }  // namespace tri

@@ -17,7 +17,7 @@ namespace tri {
 bool triangles_cross(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
 
 /// Pairs of triangles that cross by `triangles_cross`, as (lower index, higher index), ascending. Parallel; the same
-/// for any number of threads. @param points  finite @throws Cancelled
+/// for any number of threads. @param points  finite where a triangle uses them @throws Cancelled
 std::vector<std::array<std::uint32_t, 2>> crossing_pairs(std::span<const Vec3> points,
                                                          std::span<const Triangle> triangles, const Context& context);
 
@@ -54,8 +54,8 @@ class CrossingGuard {
 
   /// What was asked last was done. @throws Cancelled
   void done();
-  /// Faces are new. @param beside  a face near them that is not
-  void added(FaceHandle beside);
+  /// An edge was split at a new vertex: the faces around it are new, or smaller now. @throws Cancelled
+  void split(VertexHandle v);
 
  private:
   struct Candidate {

@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/checks/report_distance.hpp"
 #include "meshops/crossings/crossing_guard.hpp"
 #include "meshops/editing/attribute_seams.hpp"
+#include "meshops/editing/mesh_before.hpp"
 #include "meshops/editing/mesh_edit.hpp"
 #include "meshops/editing/plain_vector.hpp"
 #include "meshops/for_each_block.hpp"
@@ -70,8 +72,11 @@ class Decimator {
     start_ = faces_;
     target_ = target();
     if (faces_ > target_) {
+      std::optional<MeshBefore> before;
+      if (!std::isinf(options_.max_error)) before.emplace(view_);
       prepare();
       work();
+      if (before && faces_ < start_) report_distance(*before, view_, report_, context_);
     }
     finish();
     return std::move(report_);
@@ -387,7 +392,8 @@ const OptionSchema& DecimateOptions::schema() {
                   {.unit = "mm",
                    .min = 0,
                    .infinite = true,
-                   .help = "no collapse whose quadric error exceeds this distance"})
+                   .help = "no collapse whose quadric error, a mean distance to planes, exceeds this; the greatest "
+                           "distance may be some times more, and is measured and reported"})
           .angle("feature-angle", &O::feature_angle,
                  {.min = 0, .max = 180, .help = "angle between two normals above which an edge is held as a crease"})
           .number("min-roundness", &O::min_roundness,

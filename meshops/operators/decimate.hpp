@@ -16,7 +16,8 @@ struct DecimateOptions {
   std::int64_t faces = 0;  ///< stop at this many faces or one fewer; 0: no such target
   double ratio = 0;        ///< stop at this share of the faces, in [0,1]; 0: no such target
   /// Model units: no collapse whose error exceeds this. Error is the root of the mean squared distance of the new
-  /// vertex to the planes of the triangles it stands for (and to those that stand on boundaries and creases).
+  /// vertex to the planes of the triangles it stands for (and to those that stand on boundaries and creases). That is
+  /// no bound on the distance between the surfaces, which may be some times more: it is measured and reported.
   double max_error = std::numeric_limits<double>::infinity();
   double feature_angle =
       40 * std::numbers::pi / 180;  ///< radians between normals above which an edge is held as a crease
@@ -45,7 +46,8 @@ struct DecimateOptions {
 ///
 /// Of two ends, one is marked deleted, with its edge and the triangles beside it; the other stays, with its handle,
 /// where the new vertex is. Values of the vertex and its corners are interpolated between those of the two ends.
-/// Figures: "faces", "greatest error" (model units, as above). `skipped`, if no target stopped the work: edges that
+/// Figures: "faces", "greatest error" (model units, as above); with `max_error` those of `report_distance` as well, if
+/// anything was done. `skipped`, if no target stopped the work: edges that
 /// stay, by reason.
 ///
 /// Near-linear. Serial but for the preparation; the same result for any number of threads.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/checks/report_distance.hpp"
 #include "meshops/crossings/crossing_guard.hpp"
 #include "meshops/editing/mesh_before.hpp"
 #include "meshops/editing/mesh_edit.hpp"
@@ -60,8 +61,7 @@ class Remesher {
     prepare();
     for (int round = 0; round < options_.iterations; ++round) {
       round_ = round;
-      if (guard_) guard_->build();
-      else guard_.emplace(view_, context_);
+      guard_.emplace(view_, context_);
       split();
       collapse_short();
       equalise_valences();
@@ -176,10 +176,8 @@ class Remesher {
     const std::int32_t line = line_[index(e)];
     const Vec3 middle = 0.5 * (view_.point(a) + view_.point(b));
     const std::size_t new_edge = mesh_.n_edges();
-    FaceHandle beside = mesh_.face_handle(h);
-    if (!beside.is_valid()) beside = mesh_.face_handle(mesh_.opposite_halfedge_handle(h));
     const VertexHandle v = split_edge(view_, e, middle, 0.5);
-    guard_->added(beside);
+    guard_->split(v);
     kinds_.resize(mesh_.n_vertices(), EdgeKind::free);
     near_.resize(mesh_.n_vertices(), near_[index(a)]);
     line_.resize(mesh_.n_edges(), EdgeLines::none);
@@ -520,6 +518,7 @@ class Remesher {
                               std::to_string(crossings_before_) + " did before");
     report_.figures["length"] = options_.adaptive && edges > 0 ? aim / edges : lengths_.longest();
     before_.compare(view_, report_);
+    if (bounded() && !report_.unchanged()) report_distance(before_, view_, report_, context_);
   }
 
   template <class Handle>
@@ -584,7 +583,8 @@ const OptionSchema& RemeshOptions::schema() {
                    .min = 0,
                    .min_open = true,
                    .infinite = true,
-                   .help = "distance that edges and triangles may have from the input"})
+                   .help = "distance from the input that middles of edges and triangles may have; that of all "
+                           "places, which may be more, is measured and reported"})
           .angle("feature-angle", &O::feature_angle,
                  {.min = 0, .max = 180, .help = "angle between two normals above which an edge is a crease"})
           .integer("min-feature-edges", &O::min_feature_edges,

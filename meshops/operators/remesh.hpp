@@ -21,7 +21,8 @@ struct RemeshOptions {
   double min_length =
       0;  ///< model units; with `adaptive` no edge is aimed at that is shorter. 0: a twentieth of `length`
   /// Model units: nothing is done that takes the middle of an edge or triangle farther from the input, and edges that
-  /// are farther off are split. `adaptive` needs it.
+  /// are farther off are split. No bound on other places, nor on how far the input is from the result: both are
+  /// measured and reported. `adaptive` needs it.
   double max_error = std::numeric_limits<double>::infinity();
   double feature_angle = 44 * std::numbers::pi / 180;  ///< radians between normals above which an edge is a crease
   int min_feature_edges = 1;                           ///< creases that hang together in fewer edges are noise
@@ -47,7 +48,8 @@ struct RemeshOptions {
 /// Values of vertices and corners are those of the input at the new places. With a selection the rim of it stays.
 /// Figures: "length" (aimed at; adaptive: the mean), "greatest distance" (of vertices, middles of edges and of
 /// triangles to the input), "edges in range" (share within 4/5 to 4/3 of what was aimed at), "smallest angle"
-/// (degrees), "faces"; "crossing pairs" of triangles, if there are any, and a note if there are more than before.
+/// (degrees), "faces"; "crossing pairs" of triangles, if there are any, and a note if there are more than before; with `max_error` those of
+/// `report_distance`.
 ///
 /// Near-linear. Smoothing and projection use all threads, the rest is serial; the same result for any number of
 /// threads. On cancel (checked every 256 edges) the mesh is valid, somewhere on the way; values are as far as they were

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "meshops/crossings/crossing_guard.hpp"
+#include "meshops/editing/mesh_before.hpp"
 #include "meshops/editing/mesh_edit.hpp"
 #include "meshops/editing/vertex_rows.hpp"
 #include "meshops/error.hpp"
@@ -53,6 +55,13 @@ class Subdivider {
       done += share;
     }
     context_.progress("subdivide", 1);
+    if (kept_back_ > 0) {
+      report_.skipped["vertices where triangles would fold or cross"] = kept_back_;
+      report_.notes.push_back(
+          fmt::format("{} vertices stay on the triangles of the level before, since pieces would fold over or cross "
+                      "others; the first at ({:.6g}, {:.6g}, {:.6g})",
+                      kept_back_, first_kept_[0], first_kept_[1], first_kept_[2]));
+    }
     report_.vertices_added = mesh_.n_vertices() - old_vertices_;
     report_.faces_added = mesh_.n_faces() - old_faces;
     list(vertex_touched_, mesh_.n_vertices(), report_.touched_vertices);
@@ -196,15 +205,58 @@ class Subdivider {
 
   void place_points() {
     context_.checkpoint();
-    for (std::size_t i = 0; i < new_points_.size(); ++i) {
-      const VertexHandle v(static_cast<int>(first_new_vertex_ + i));
-      if (view_.point(v) != new_points_[i]) set_point(view_, v, new_points_[i]);
-    }
-    for (std::size_t i = 0; i < first_new_vertex_; ++i) {
+    vertex_points_.insert(vertex_points_.end(), new_points_.begin(), new_points_.end());
+    if (options_.scheme != SubdivisionScheme::midpoint) keep_back();
+    for (std::size_t i = 0; i < vertex_points_.size(); ++i) {
       const VertexHandle v(static_cast<int>(i));
       if (!is_finite(vertex_points_[i]) || view_.point(v) == vertex_points_[i]) continue;
       set_point(view_, v, vertex_points_[i]);
       if (i < old_vertices_) vertex_touched_[i] = 1;
+    }
+  }
+
+  /// The pieces lie on the triangles of the level before now. Vertices of pieces that would be turned over or cross others
+  /// keep their places, until there are none.
+  void keep_back() {
+    const MeshBefore flat(view_);
+    const auto moves = [&](std::uint32_t v) {
+      return is_finite(vertex_points_[v]) && vertex_points_[v] != flat.points()[v];
+    };
+    std::vector<char> kept(vertex_points_.size(), 0);
+    const auto keep = [&](const Triangle& t) {
+      bool any = false;
+      for (const std::uint32_t v : t) {
+        if (!moves(v)) continue;
+        vertex_points_[v] = flat.points()[v];
+        kept[v] = 1;
+        any = true;
+      }
+      return any;
+    };
+    const std::size_t n = flat.triangles().size();
+    std::vector<char> turned(n);
+    for (bool any = true; any;) {
+      any = false;
+      for_each_block(context_, "", n, subdivide_block, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const auto [a, b, c] = flat.triangles()[i];
+          const auto normal = [&](const std::vector<Vec3>& p) { return (p[b] - p[a]) % (p[c] - p[a]); };
+          turned[i] = (normal(flat.points()) | normal(vertex_points_)) < 0;
+        }
+      });
+      for (std::size_t i = 0; i < n; ++i)
+        if (turned[i]) any = keep(flat.triangles()[i]) || any;
+      if (any) continue;
+      std::vector<Triangle> finite;
+      for (const Triangle& t : flat.triangles())
+        if (is_finite(vertex_points_[t[0]]) && is_finite(vertex_points_[t[1]]) && is_finite(vertex_points_[t[2]]))
+          finite.push_back(t);
+      for (const auto& pair : crossing_pairs(vertex_points_, finite, context_))
+        for (const std::uint32_t t : pair) any = keep(finite[t]) || any;
+    }
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      if (!kept[i]) continue;
+      if (kept_back_++ == 0) first_kept_ = vertex_points_[i];
     }
   }
 
@@ -221,6 +273,8 @@ class Subdivider {
   Report report_;
   Features features_;  ///< of the level; empty for `midpoint`
   std::size_t old_vertices_ = 0;
+  std::uint64_t kept_back_ = 0;  ///< vertices, of each level anew
+  Vec3 first_kept_{0, 0, 0};
   double progress_begin_ = 0, progress_share_ = 0;
   std::vector<char> face_touched_, vertex_touched_;  ///< of those that were there before the first level
   // Of the level:

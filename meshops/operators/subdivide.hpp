@@ -34,14 +34,18 @@ struct SubdivideOptions {
 ///
 /// `midpoint` puts them into the middle of the edges and moves nothing; `butterfly` moves no old vertex either, and
 /// puts the new ones where a smooth surface through the old ones would run (`butterfly_edge_point`; where
-/// triangles are very uneven it makes waves, and may fold small ones over). `loop` smooths: it
+/// triangles are very uneven it makes waves). `loop` smooths: it
 /// moves the old vertices as well (`loop_edge_point`, `loop_vertex_point`). Boundary and creases become curves of their
 /// own, for loop cubic B-splines [Hoppe et al. 1994, "Piecewise smooth surface reconstruction", without its special
 /// weights beside corners]; corners stay; where a crease fades out it is smooth. Which edges and vertices these are is
 /// found once, by `find_features` with both angles, and handed down from level to level. Where not all around a vertex
 /// is split (at the rim of a selection) it stays; triangles that keep an edge whole are split into two or three. A
-/// point whose stencil is not finite goes to the middle of the edge, or stays. Nothing keeps triangles from folding
-/// over: where they are long and thin, as those of CAD models are, `midpoint` is the better choice.
+/// point whose stencil is not finite goes to the middle of the edge, or stays. Vertices
+/// of pieces that would be turned over (by more than a quarter turn from the triangle they are cut from) or cross others
+/// stay on the triangles of the level before, so that a mesh that does not intersect itself does not come to, but for
+/// rounding: they are counted in `skipped` ("vertices where triangles would fold or cross"; on each level anew), and a
+/// note names the first. Where triangles are long and thin, as those of CAD models are, these may be many, and
+/// `midpoint` is the better choice.
 ///
 /// Handles of all elements stay; a face keeps its handle for one of its four pieces, an edge for one of its halves. New
 /// vertices inherit the mean of the ends of their edge, faces what they are a piece of (see meshops/editing/mesh_edit.hpp); the
