@@ -46,10 +46,10 @@ tri::Report Document::run(const OperatorRequest& request, tri::Context& context)
     return request.op->run(selection ? view.with(*selection) : view, request.options.get(), context);
   };
   if (request.dry_run) {
-    const tri::ChangeSet would = tri::dry_run(mesh_, work);
+    const tri::ChangeSet would = tri::dry_run(mesh_, work, context);
     return would.reports().front();
   }
-  tri::ChangeSet change = tri::record(mesh_, work);
+  tri::ChangeSet change = tri::record(mesh_, work, context);
   const tri::Report report = change.reports().front();
   if (change.empty()) return report;
   mark_stale(change);

@@ -277,14 +277,15 @@ void in_arena(const Context& context, const Work& work) {
   arena.execute(work);
 }
 
-/// For each side the side of the known neighbour on the same edge.
+/// For each side the side of the known neighbour on the same edge. @throws Cancelled
 SidePairs::Sides twins_of_neighbors(std::span<const Triangle> triangles,
-                                             std::span<const std::array<std::int32_t, 3>> neighbors) {
+                                             std::span<const std::array<std::int32_t, 3>> neighbors, const Context& context) {
   if (neighbors.size() != triangles.size())
     throw InvalidInput(fmt::format("{} triples of neighbours for {} triangles", neighbors.size(), triangles.size()));
   SidePairs::Sides twin(3 * triangles.size());
   std::atomic<std::size_t> first_misfit{twin.size()};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), link_block), [&](const auto& range) {
+    context.checkpoint();
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       for (int k = 0; k < 3; ++k) {
         // The side from corner k lies opposite corner k - 1.
@@ -318,12 +319,13 @@ void build_known(std::span<const Vec3> points, std::span<const Triangle> triangl
                  std::span<const std::array<std::int32_t, 3>> neighbors, Mesh& mesh, BuiltMesh& result,
                  Context& context) {
   check_sizes(points.size(), triangles);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
+  Pace pace(context);
+  for (std::size_t i = 0; i < triangles.size(); ++i, pace())
     if (repeats_vertex(triangles[i])) throw InvalidInput(fmt::format("triangle {} names a vertex twice", i));
   context.progress("build-mesh", 0);
   const auto pair = [&] {
     SidePairs pairs;
-    pairs.twin = twins_of_neighbors(triangles, neighbors);
+    pairs.twin = twins_of_neighbors(triangles, neighbors, context);
     return pairs;
   };
   in_arena(context, [&] { build(points, triangles, pair, mesh, result, context); });

@@ -22,6 +22,8 @@
 #include "meshops/operators/split_non_manifold.hpp"
 #include "meshops/operators/stitch_boundaries.hpp"
 #include "meshops/operators/weld.hpp"
+#include "meshops/pace.hpp"
+#include "meshops/search/cancellable_sort.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/single_precision.hpp"
 #include "meshops/soup_edit.hpp"
@@ -39,19 +41,36 @@ bool rounds_to_floats(const Soup& soup) {
 }
 
 /// The squared lengths of the connected boundaries, over the area.
-double boundary_share(const Soup& soup) {
-  std::map<std::array<std::uint32_t, 2>, int> sides;
+double boundary_share(const Soup& soup, const Context& context) {
+  Pace pace(context);
+  using Side = std::pair<std::uint32_t, std::uint32_t>;  // the lower vertex first
+  struct Found {
+    Side side;
+    std::size_t number;
+  };
+  std::vector<Found> sides;
   double area = 0;
   for (const Triangle& t : soup.triangles) {
+    pace();
     area += area_vector(soup, t).norm() / 2;
-    for (std::size_t k = 0; k < 3; ++k) ++sides[{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])}];
+    for (std::size_t k = 0; k < 3; ++k) sides.push_back({std::minmax(t[k], t[(k + 1) % 3]), sides.size()});
   }
+  cancellable_sort(sides.begin(), sides.end(), &context, [](const Found& a, const Found& b) {
+    return a.side != b.side ? a.side < b.side : a.number < b.number;
+  });
+  const auto for_open_sides = [&](const auto& visit) {
+    for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+      pace();
+      while (end < sides.size() && sides[end].side == sides[i].side) ++end;
+      if (end - i == 1) visit(sides[i].side);
+    }
+  };
   DisjointSets loops(soup.points.size());
-  for (const auto& [side, count] : sides)
-    if (count == 1) loops.join(side[0], side[1]);
+  for_open_sides([&](const Side& side) { loops.join(side.first, side.second); });
   std::map<std::size_t, double> length;
-  for (const auto& [side, count] : sides)
-    if (count == 1) length[loops.find(side[0])] += (soup.points[side[0]] - soup.points[side[1]]).norm();
+  for_open_sides([&](const Side& side) {
+    length[loops.find(side.first)] += (soup.points[side.first] - soup.points[side.second]).norm();
+  });
   double sum = 0;
   for (const auto& [loop, l] : length) sum += l * l;
   return area > 0 ? sum / area : 0;
@@ -99,7 +118,7 @@ class Repairer {
     step(stitch_boundaries, StitchBoundariesOptions{.tolerance = stitched_share * farthest}, moves);
     result_.goal = options_.goal;
     if (result_.goal == RepairGoal::automatic)
-      result_.goal = boundary_share(work_) < most_boundary ? RepairGoal::solid : RepairGoal::surface;
+      result_.goal = boundary_share(work_, context_) < most_boundary ? RepairGoal::solid : RepairGoal::surface;
     if (result_.goal == RepairGoal::solid) {
       const auto solid = [this](Soup& soup, const MakeSolidOptions& with, Context& context) {
         return make_solid_naming_fillings(soup, with, fillings_, context);
@@ -199,7 +218,7 @@ class Repairer {
 RepairResult repair(Soup& soup, const RepairOptions& options, Context& context) {
   if (!(options.max_deviation >= 0 && options.max_deviation <= 0.1))
     throw InvalidInput("max-deviation is a share of the diagonal: between 0 and 0.1");
-  check_soup(soup);
+  check_soup(soup, &context);
   RepairResult result;
   if (options.goal != RepairGoal::surface && is_clean_solid(soup, options.single_precision, context) &&
       !(options.single_precision && rounds_to_floats(soup)))

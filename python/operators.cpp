@@ -40,7 +40,7 @@ py::object run_on_mesh_object(const Operator& op, HeldMesh& held, const py::obje
   if (!recording)
     return report_dict(call.run([&](Context& context) { return op.run(view, options, context); }));
   ChangeSet change = call.run([&](Context& context) {
-    return record(view, [&](MeshView recorded) { return op.run(recorded, options, context); });
+    return record(view, [&](MeshView recorded) { return op.run(recorded, options, context); }, context);
   });
   const py::object report = report_dict(change.reports().front());
   recording->add(std::move(change));

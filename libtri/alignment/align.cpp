@@ -8,7 +8,7 @@
 
 #include "libtri/alignment/candidates.hpp"
 #include "libtri/alignment/pose_search.hpp"
-#include "libtri/alignment/quiet_context.hpp"
+#include "libtri/quiet_context.hpp"
 #include "libtri/alignment/rim_fit.hpp"
 #include "libtri/alignment/verdict.hpp"
 #include "meshops/error.hpp"

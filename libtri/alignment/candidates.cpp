@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "libtri/alignment/information.hpp"
-#include "libtri/alignment/quiet_context.hpp"
+#include "libtri/quiet_context.hpp"
 #include "meshops/for_each_block.hpp"
 
 namespace tri {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libtri/alignment/quiet_context.hpp"
+#include "libtri/quiet_context.hpp"
 
 namespace tri {
 namespace {

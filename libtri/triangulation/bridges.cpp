@@ -17,6 +17,8 @@
 #include "libtri/triangulation/shell/edit_mesh.hpp"
 #include "libtri/triangulation/shell/triangle_cost.hpp"
 #include "libtri/triangulation/shell/triangle_geometry.hpp"
+#include "libtri/quiet_context.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/crossings/self_intersections.hpp"
 #include "meshops/holes/polygon_triangulation.hpp"
 #include "meshops/limits.hpp"
@@ -67,10 +69,8 @@ struct TripleHash {
 /// Tells which triangles over the points stand across the model; remembers what was asked.
 class BridgeTest {
  public:
-  BridgeTest(std::span<const Foot> feet, const Registration& registration, double tolerance, int threads)
-      : feet_(feet), registration_(registration), tolerance_(tolerance) {
-    quiet_.threads = threads;
-  }
+  BridgeTest(std::span<const Foot> feet, const Registration& registration, double tolerance, const Context& context)
+      : feet_(feet), registration_(registration), tolerance_(tolerance), quiet_(context, context.threads) {}
 
   /// Finds out about all of `triangles`, which may bridge, at once.
   void ask(std::span<const Triangle> triangles) {
@@ -111,7 +111,7 @@ class BridgeTest {
   std::span<const Foot> feet_;
   const Registration& registration_;
   double tolerance_;
-  Context quiet_;
+  QuietContext quiet_;
   std::unordered_map<Triangle, bool, TripleHash> known_;
   std::vector<Triangle> wanted_;
   std::vector<bool> turned_;
@@ -208,7 +208,7 @@ class Lessener {
       std::vector<std::int32_t> changed;
       for (std::int32_t t : work)
         for (int limit : limits) {
-          if (++done % 256 == 0) context.checkpoint();
+          if (++done % 32 == 0) context.checkpoint();
           if (is_bridging(t) && improve(t, limit, Aim::bridges))
             changed.insert(changed.end(), region_.begin(), region_.end());
         }
@@ -519,14 +519,18 @@ Bridges lessen_bridges(std::span<const Vec3> points, std::span<const Foot> feet,
   context.checkpoint();
   Bridges bridges;
   std::vector<std::uint32_t> seeds = find_suspicious(feet, mesh, bridges.total_area);
-  BridgeTest test(feet, registration, tolerance, context.threads);
+  BridgeTest test(feet, registration, tolerance, context);
+  context.checkpoint();
   std::vector<Triangle> asked;
   for (std::uint32_t t : seeds) asked.push_back(mesh.triangles[t]);
   test.ask(asked);
   std::erase_if(seeds, [&](std::uint32_t t) { return !test(mesh.triangles[t]); });
   if (seeds.empty()) return bridges;
+  context.checkpoint();
   BridgeZone zone(mesh, feet, seeds, zone_steps);
+  context.checkpoint();
   Lessener lessener(zone, points, test);
+  context.checkpoint();
   lessener.run(small_rings, context);
   if (lessener.bridging_area() > much * bridges.total_area) lessener.run(large_rings, context);
   zone.give_back(mesh);
@@ -539,8 +543,9 @@ bool mend_crossings(std::span<const Vec3> points, std::span<const Foot> feet, co
                     double tolerance, std::span<const std::array<std::uint32_t, 2>> pairs, PointMesh& mesh,
                     Context& context) {
   if (pairs.empty()) return false;
+  Pace pace(context);
   DisjointSets parts(points.size());
-  for (const Triangle& t : mesh.triangles) parts.join(t[0], t[1]), parts.join(t[0], t[2]);
+  for (const Triangle& t : mesh.triangles) pace(), parts.join(t[0], t[1]), parts.join(t[0], t[2]);
   std::vector<std::uint32_t> tangled;
   for (const auto& pair : pairs)
     if (parts.find(mesh.triangles[pair[0]][0]) == parts.find(mesh.triangles[pair[1]][0]))
@@ -548,9 +553,11 @@ bool mend_crossings(std::span<const Vec3> points, std::span<const Foot> feet, co
   if (tangled.empty()) return false;
   std::sort(tangled.begin(), tangled.end());
   tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
-  BridgeTest test(feet, registration, tolerance, context.threads);
+  BridgeTest test(feet, registration, tolerance, context);
   BridgeZone zone(mesh, feet, tangled, zone_steps);
+  context.checkpoint();
   Lessener lessener(zone, points, test);
+  context.checkpoint();
   bool changed = false;
   for (int round = 0; round < most_crossing_rounds && lessener.run_crossings(tangled, context); ++round) changed = true;
   if (changed) zone.give_back(mesh);

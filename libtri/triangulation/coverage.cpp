@@ -12,6 +12,8 @@
 
 #include "libtri/triangulation/empty_discs.hpp"
 #include "libtri/triangulation/mesh_spacing.hpp"
+#include "libtri/quiet_context.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/limits.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/search/nearest_points.hpp"
@@ -52,6 +54,7 @@ bool opposed(const std::array<float, 3>& a, const std::array<float, 3>& b) {
 bool send_through(const PointMesh& mesh, std::span<const Vec3> places, double diagonal, double step,
                   std::span<const Vec3> probes, std::span<const std::uint32_t> probe_triangle,
                   const Registration& registration, std::vector<Foot>& feet, Context& context) {
+  QuietContext quiet(context, context.threads);
   std::vector<std::uint32_t> waiting;
   for (std::uint32_t i = 0; i < probes.size(); ++i)
     if (feet[i].face >= 0 && opposed(feet[i].normal, facing(mesh.triangles[probe_triangle[i]], places)))
@@ -63,7 +66,7 @@ bool send_through(const PointMesh& mesh, std::span<const Vec3> places, double di
       const auto n = facing(mesh.triangles[probe_triangle[i]], places);
       ahead.push_back(probes[i] + Vec3(n[0], n[1], n[2]) * s);
     }
-    const std::vector<Foot> met = registration.register_points(ahead, context);
+    const std::vector<Foot> met = registration.register_points(ahead, quiet);
     std::vector<std::uint32_t> still;
     for (std::size_t k = 0; k < waiting.size(); ++k) {
       if (met[k].face >= 0 && same_side(met[k].normal, facing(mesh.triangles[probe_triangle[waiting[k]]], places))) {
@@ -203,11 +206,14 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
                          std::span<const Foot> feet, double hole_size, Context& context) {
   Coverage result;
   if (mesh.triangles.empty()) return result;
+  context.checkpoint();
+  QuietContext quiet(context, context.threads);
   std::vector<Vec3> places(feet.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, feet.size(), 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) places[i] = feet[i].point;
   });
   const MeshSpacing spacing(mesh, places);
+  context.checkpoint();
 
   std::vector<Vec3> probes;
   std::vector<std::uint32_t> probe_triangle;
@@ -216,7 +222,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
                probe_triangle);
   context.checkpoint();
   if (probes.empty()) return result;
-  std::vector<Foot> probe_feet = registration.register_points(probes, context);
+  std::vector<Foot> probe_feet = registration.register_points(probes, quiet);
   double finest = infinity, widest_spacing = 0;
   for (std::uint32_t t : probe_triangle) {
     const double h = spacing.at(mesh.triangles[t]);
@@ -225,8 +231,9 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   }
   const bool sides_missing = send_through(mesh, places, model.diagonal, finest < infinity ? finest : 0, probes,
                                           probe_triangle, registration, probe_feet, context);
+  context.checkpoint();
   EmptyDiscs empty(model, feet, probe_feet, 4 * hole_size * widest_spacing,
-                   std::max(0.25 * finest, 0.01 * widest_spacing));
+                   std::max(0.25 * finest, 0.01 * widest_spacing), context);
   std::vector<Disc> discs;
   struct Growing {
     std::uint32_t probe;
@@ -244,7 +251,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
       discs.push_back({foot.point, foot.normal, g.end.distance, h, probe_triangle[g.probe], foot.face});
     return g.end.distance > hole_size * h;
   };
-  const std::vector<EmptyDiscs::End> ends = empty.ends(probe_feet);
+  const std::vector<EmptyDiscs::End> ends = empty.ends(probe_feet, context);
   for (std::uint32_t i = 0; i < probes.size(); ++i) {
     if (probe_feet[i].face < 0) continue;
     const Growing g{i, ends[i]};
@@ -256,8 +263,8 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
     std::vector<Vec3> pushed;
     for (const Growing& g : growing)
       pushed.push_back(probe_feet[g.probe].point + (probe_feet[g.probe].point - g.end.place) * 0.3);
-    const std::vector<Foot> pushed_feet = registration.register_points(pushed, context);
-    const std::vector<EmptyDiscs::End> pushed_ends = empty.ends(pushed_feet);
+    const std::vector<Foot> pushed_feet = registration.register_points(pushed, quiet);
+    const std::vector<EmptyDiscs::End> pushed_ends = empty.ends(pushed_feet, context);
     std::vector<Growing> still;
     for (std::size_t k = 0; k < growing.size(); ++k) {
       if (pushed_feet[k].face < 0) continue;
@@ -283,7 +290,9 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   std::vector<bool>
       small_middle;  // such triangles are open only if they stand for another side than the one they lie on
   std::vector<NearestPoints::Neighbor> near;
+  Pace pace(context);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    pace();
     const Triangle& q = mesh.triangles[t];
     if (open[t]) continue;
     const bool small = spacing.shape(t).longest < spacing.lowest(q) || spacing.shape(t).longest < spacing.at(q);
@@ -295,7 +304,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
     middle_triangle.push_back(t);
     small_middle.push_back(small);
   }
-  const std::vector<Foot> middle_feet = registration.register_points(middles, context);
+  const std::vector<Foot> middle_feet = registration.register_points(middles, quiet);
   for (std::size_t i = 0; i < middles.size(); ++i) {
     const auto own = facing(mesh.triangles[middle_triangle[i]], places);
     const bool through = opposed(middle_feet[i].normal, own);
@@ -307,6 +316,7 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
         open[middle_triangle[i]] = true;
     }
   }
+  context.checkpoint();
   std::vector<float> size(mesh.triangles.size(), 0);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     if (open[t]) size[t] = spacing.shape(t).circumradius;

@@ -424,18 +424,21 @@ void triangulate(std::span<const Vec2> input, const Context& context, Delaunay& 
     }
   });
   context.progress("delaunay", 0.2);
+  context.checkpoint();
 
   Builder builder({points.get(), n}, sorted.cuts, test, context);
   const Index hull_edge = builder.run();
   points.reset();
   std::vector<std::uint16_t>().swap(sorted.cuts);
   context.progress("delaunay", 0.8);
+  context.checkpoint();
 
   auto& origins = builder.origins();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, 6 * n, emit_block), [&](const auto& part) {
     for (std::size_t e = part.begin(); e < part.end(); ++e) origins[e] = sorted.order[origins[e]];
   });
   std::vector<std::uint32_t>().swap(sorted.order);
+  context.checkpoint();
   Emitter(builder.rings(), origins, 6 * n).run(hull_edge, result);
 }
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "meshops/pace.hpp"
+
 namespace tri {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr double other_way = 1.9;  // radians: normals farther apart are those o
 }  // namespace
 
 EmptyDiscs::EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::span<const Foot> probes, double reach,
-                       double step)
+                       double step, const Context& context)
     : feet_(feet), reach_(reach), farthest_(model.diagonal), few_(probes.size() < feet.size() / 16) {
   std::unordered_set<std::uint64_t> near_probes;
   const auto cell = [&](const Vec3& p, int dx, int dy, int dz) {
@@ -29,7 +31,7 @@ EmptyDiscs::EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::s
   if (few_)
     for (const Foot& probe : probes)
       for (int i = 0; i < 27; ++i) near_probes.insert(cell(probe.point, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-  fill_bins([&](const Foot& foot) { return !few_ || near_probes.contains(cell(foot.point, 0, 0, 0)); });
+  fill_bins([&](const Foot& foot) { return !few_ || near_probes.contains(cell(foot.point, 0, 0, 0)); }, context);
   for (const CadEdge& edge : model.edges)
     if (edge.faces.size() == 1 && !edge.degenerate)
       for (std::size_t k = 0; k + 1 < edge.polyline.size(); ++k) {
@@ -40,10 +42,11 @@ EmptyDiscs::EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::s
   if (!rim_.empty()) rim_tree_.emplace(rim_);
 }
 
-std::vector<EmptyDiscs::End> EmptyDiscs::ends(std::span<const Foot> places) {
+std::vector<EmptyDiscs::End> EmptyDiscs::ends(std::span<const Foot> places, const Context& context) {
   std::vector<End> result(places.size());
   const auto for_all = [&](const auto& visit) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places.size(), 64), [&](const auto& range) {
+      context.checkpoint();
       for (std::size_t i = range.begin(); i < range.end(); ++i)
         if (places[i].face >= 0) visit(i);
     });
@@ -52,7 +55,7 @@ std::vector<EmptyDiscs::End> EmptyDiscs::ends(std::span<const Foot> places) {
   const auto undecided = [&](const End& e) { return e.distance > reach_; };
   if (!few_ || std::none_of(result.begin(), result.end(), undecided)) return result;
   few_ = false;
-  fill_bins([](const Foot&) { return true; });
+  fill_bins([](const Foot&) { return true; }, context);
   for_all([&](std::size_t i) {
     if (undecided(result[i])) result[i] = end(places[i]);
   });
@@ -104,21 +107,27 @@ std::size_t EmptyDiscs::bin_of(const Normal& n) {
 }
 
 template <class Wanted>
-void EmptyDiscs::fill_bins(Wanted wanted) {
+void EmptyDiscs::fill_bins(Wanted wanted, const Context& context) {
+  Pace pace(context);
   for (Bin& bin : bins_) bin = Bin();
   std::vector<std::uint8_t> in_bin(feet_.size());  // its number + 1; 0 for a point that is not wanted
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, feet_.size(), 4096), [&](const auto& range) {
+    context.checkpoint();
     for (std::size_t i = range.begin(); i < range.end(); ++i)
       if (feet_[i].face >= 0 && wanted(feet_[i])) in_bin[i] = static_cast<std::uint8_t>(bin_of(feet_[i].normal) + 1);
   });
   for (std::size_t i = 0; i < feet_.size(); ++i) {
+    pace();
     if (in_bin[i] == 0) continue;
     Bin& bin = bins_[in_bin[i] - 1u];
     bin.places.push_back(feet_[i].point);
     bin.normals.push_back(feet_[i].normal);
     bin.points.push_back(static_cast<std::int32_t>(i));
   }
-  tbb::parallel_for(std::size_t{0}, bins_.size(), [&](std::size_t b) { bins_[b].finish(); });
+  tbb::parallel_for(std::size_t{0}, bins_.size(), [&](std::size_t b) {
+    context.checkpoint();
+    bins_[b].finish();
+  });
 }
 
 EmptyDiscs::End EmptyDiscs::nearest_point(const Foot& at, End nearest) const {

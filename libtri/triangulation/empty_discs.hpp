@@ -25,7 +25,8 @@ class EmptyDiscs {
   /// @param reach   mm: points farther than this from every one of `probes` are only looked at where nothing else is
   ///                found
   /// @param step    mm, between the places that stand for a free edge
-  EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::span<const Foot> probes, double reach, double step);
+  EmptyDiscs(const CadModel& model, std::span<const Foot> feet, std::span<const Foot> probes, double reach, double step,
+             const Context& context);
 
   /// What ends the largest disc about a place.
   struct End {
@@ -34,7 +35,7 @@ class EmptyDiscs {
     std::int32_t point = -1;  ///< -1 at a free edge, or where nothing ends it
   };
   /// For each of the places, on the threads of the caller's arena; nothing for those without a face.
-  std::vector<End> ends(std::span<const Foot> places);
+  std::vector<End> ends(std::span<const Foot> places, const Context& context);
 
  private:
   using Normal = std::array<float, 3>;
@@ -55,7 +56,7 @@ class EmptyDiscs {
 
   static std::size_t bin_of(const Normal& n);
   template <class Wanted>
-  void fill_bins(Wanted wanted);
+  void fill_bins(Wanted wanted, const Context& context);
   /// @return the nearest point that counts, or `nearest` if that is nearer
   End nearest_point(const Foot& at, End nearest) const;
   End end(const Foot& at) const;

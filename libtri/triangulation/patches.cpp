@@ -168,8 +168,10 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
                                              model.faces[static_cast<std::size_t>(f)].index));
 
   if (options.keep_patches) {
+    context.checkpoint();
     measure_vertex_areas(assembled.separate);
     step("separate-patches").vertices_removed = remove_model_vertices(assembled.separate, context).removed;
+    context.checkpoint();
     result.patches = measured_part_by_face(assembled.separate, feet);
     assembled.separate = {};
   }
@@ -179,7 +181,9 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
   for (std::size_t k = 0; k < assembled.on_contour.size(); ++k)
     if (assembled.on_contour[k]) mesh.vertices[points.size() + k].point = pinned;
   const std::vector<std::uint8_t> loose = mark_loose(assembled, feet);
+  context.checkpoint();
   measure_areas_around(mesh, loose);
+  context.checkpoint();
   const auto remove = [&](const char* name) {
     const VertexRemoval removal = remove_model_vertices(mesh, context);
     Report& report = step(name);
@@ -192,6 +196,7 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
   remove("stitch-patches");
 
   Report& flipped = step("flip-diagonals");
+  context.checkpoint();
   const std::vector<std::uint32_t> at_loose = triangles_at(mesh, loose);
   std::vector<std::int32_t> seeds(at_loose.rbegin(), at_loose.rend());
   flipped.figures["triangles looked at"] = static_cast<double>(seeds.size());
@@ -200,6 +205,7 @@ PatchConnection connect_by_patches(const CadModel& model, std::span<const Foot> 
 
   for (std::size_t v = points.size(); v < mesh.vertices.size(); ++v)
     if (mesh.vertex_triangle[v] >= 0) ++result.open_stars;
+  context.checkpoint();
   result.mesh = measured_part(std::move(mesh), points.size());
   return result;
 }

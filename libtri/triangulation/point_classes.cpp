@@ -2,12 +2,13 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
+#include "meshops/pace.hpp"
+#include "meshops/search/cancellable_sort.hpp"
 #include "meshops/search/nearest_points.hpp"
 
 namespace tri {
@@ -36,16 +37,18 @@ double median(std::vector<double>& x) {
 
 }  // namespace
 
-std::vector<std::uint32_t> find_duplicates(std::span<const Vec3> points) {
+std::vector<std::uint32_t> find_duplicates(std::span<const Vec3> points, const Context* context) {
+  Pace pace(context);
   // Half of the hash, and the point: few others share it, and these are told apart below.
   constexpr std::uint64_t half = 0xffffffff00000000;
   std::vector<std::uint64_t> keys(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) keys[i] = (hash(points[i]) & half) | i;
   });
-  tbb::parallel_sort(keys.begin(), keys.end());
+  cancellable_sort(keys.begin(), keys.end(), context);
   std::vector<std::uint32_t> duplicates;
   for (std::size_t i = 0; i < keys.size();) {
+    pace();
     std::size_t j = i + 1;
     while (j < keys.size() && (keys[j] & half) == (keys[i] & half)) ++j;
     for (std::size_t b = i + 1; b < j; ++b)

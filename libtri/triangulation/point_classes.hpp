@@ -10,7 +10,8 @@
 namespace tri {
 
 /// Indices of points equal to an earlier one, coordinate for coordinate; ascending.
-std::vector<std::uint32_t> find_duplicates(std::span<const Vec3> points);
+/// @param context  null: cannot be cancelled @throws Cancelled
+std::vector<std::uint32_t> find_duplicates(std::span<const Vec3> points, const Context* context = nullptr);
 
 /// Robust standard deviation of the deviations, mm: 1.4826 times the median of their absolute values [Huber 1981].
 double robust_sigma(std::span<const Foot> feet);

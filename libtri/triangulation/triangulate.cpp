@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "libtri/model/cad_topology.hpp"
+#include "libtri/quiet_context.hpp"
 #include "libtri/registration.hpp"
 #include "libtri/triangulation/bridges.hpp"
 #include "libtri/triangulation/coverage.hpp"
@@ -25,6 +26,7 @@
 #include "meshops/build_mesh.hpp"
 #include "meshops/crossings/self_intersections.hpp"
 #include "meshops/error.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/select_indices.hpp"
 
 namespace tri {
@@ -124,12 +126,16 @@ struct VertexValues {
 /// highest.
 void to_mesh(const CadModel& model, std::span<const Vec3> points, std::vector<Foot>& feet, bool last,
              PointMesh connected, Mesh& mesh, Context& context) {
+  Pace pace(context);
   std::vector<std::uint8_t> used(points.size(), 0);
-  for (const Triangle& t : connected.triangles)
+  for (const Triangle& t : connected.triangles) {
+    pace();
     for (std::uint32_t p : t) used[p] = 1;
+  }
   const std::vector<std::uint32_t> point_of = select_indices(points.size(), [&](std::uint32_t p) { return used[p] != 0; });
   VertexValues values(model, feet, point_of);
   if (last) std::vector<Foot>().swap(feet);
+  context.checkpoint();
   std::vector<Vec3> positions;
   if (point_of.size() < points.size()) {
     std::vector<std::uint32_t> vertex_of(points.size());
@@ -203,10 +209,11 @@ void finish(Candidate& candidate, const Measured& measured, const SurfaceTopolog
   auto crossings = untangle(measured.points, measured.feet, candidate.mesh, context);
   if (mend_crossings(measured.points, measured.feet, measured.registration, tolerance, crossings, candidate.mesh, context))
     crossings = self_intersections(measured.points, candidate.mesh.triangles, context);
+  context.checkpoint();
   SurfaceTopology found;
   tbb::parallel_invoke(
       [&] { found = topology(candidate.mesh.triangles, candidate.mesh.neighbors); },
-      [&] { candidate.checks = check_triangulation(measured.points, measured.feet, candidate.mesh); });
+      [&] { candidate.checks = check_triangulation(measured.points, measured.feet, candidate.mesh, &context); });
   candidate.checks.bridging = bridges.triangles;
   candidate.checks.bridging_share = bridges.share();
   candidate.checks.self_intersections = crossings.size();
@@ -319,15 +326,18 @@ void triangulate_sorted(const CadModel& model, const Registration& registration,
   std::vector<Foot> feet = registration.register_points(points, context);
   watch.lap("register");
 
-  result.duplicates = find_duplicates(points);
+  result.duplicates = find_duplicates(points, &context);
   leave_out(feet, result.duplicates);
   if (points.size() - result.duplicates.size() < 3)
     throw InvalidInput(
         fmt::format("{} distinct points are too few: three make a triangle", points.size() - result.duplicates.size()));
+  context.checkpoint();
   result.sigma = robust_sigma(feet);
+  context.checkpoint();
   check_distance(result.sigma, model.diagonal);
   result.outliers = find_outliers(feet, model.diagonal, options.outlier_distance, result.sigma);
   leave_out(feet, result.outliers);
+  context.checkpoint();
   describe_coverage(model, feet, result);
   watch.lap("classify points");
 
@@ -343,6 +353,7 @@ void triangulate_sorted(const CadModel& model, const Registration& registration,
     result.holes = std::move(coverage.regions);
   }
   watch.lap("unmeasured regions");
+  context.checkpoint();
 
   to_mesh(model, points, feet, !options.keep_patches, std::move(best.mesh), result.mesh, context);
   if (options.keep_patches)
@@ -393,12 +404,15 @@ TriangulateResult triangulate(const CadModel& model, const Registration& registr
     // Unordered points are put in the order of a space-filling curve once: every later step then finds neighbours in
     // space near each other in memory. Equal points keep their order, so the earliest of them still counts.
     const std::vector<std::uint32_t> order = registration.order_of(points);
+    context.checkpoint();
     std::vector<Vec3> sorted(points.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) sorted[i] = points[order[i]];
     });
     watch.lap("sort points");
-    triangulate_sorted(model, registration, sorted, options, result, watch, context);
+    context.checkpoint();
+    ForwardContext forward(context);  // steps are taken again for what is found on the way
+    triangulate_sorted(model, registration, sorted, options, result, watch, forward);
     name_points_as_given(result, order);
   });
   return result;

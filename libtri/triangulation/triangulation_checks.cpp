@@ -6,10 +6,13 @@
 #include <cmath>
 #include <functional>
 
+#include "meshops/pace.hpp"
 
 namespace tri {
 
-TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& mesh) {
+TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<const Foot> feet, const PointMesh& mesh,
+                                        const Context* context) {
+  Pace pace(context);
   constexpr double fold_cosine = -0.8660254037844386, turned_cosine = -0.5;
   TriangulationChecks checks;
   const std::size_t n_triangles = mesh.triangles.size();
@@ -18,6 +21,7 @@ TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<
     return tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, n_triangles, 4096), std::uint64_t{0},
         [&](const auto& range, std::uint64_t sum) {
+          if (context) context->checkpoint();
           for (std::size_t t = range.begin(); t < range.end(); ++t) sum += is_wrong(t);
           return sum;
         },
@@ -42,8 +46,10 @@ TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<
     return folds;
   });
   std::vector<bool> used(points.size(), false);
-  for (const Triangle& q : mesh.triangles)
+  for (const Triangle& q : mesh.triangles) {
+    pace();
     for (std::uint32_t v : q) used[v] = true;
+  }
   for (std::size_t p = 0; p < points.size(); ++p) checks.unused_points += feet[p].face >= 0 && !used[p];
   return checks;
 }

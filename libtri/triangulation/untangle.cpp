@@ -148,6 +148,7 @@ std::vector<std::array<std::uint32_t, 2>> untangle(std::span<const Vec3> points,
                                                    const Context& context) {
   Pairs pairs = self_intersections(points, mesh.triangles, context);
   if (pairs.empty()) return pairs;
+  context.checkpoint();
   std::size_t flips = 0;
   {
     Untangler untangler(points, feet, mesh, pairs);

@@ -9,6 +9,7 @@
 #include "meshops/crossings/surface_side.hpp"
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/random_stream.hpp"
 #include "meshops/search/closest_triangle.hpp"
 
@@ -105,9 +106,12 @@ class OneSided {
   }
 
   void visit_vertices() {
+    Pace pace(context_);
     std::vector<bool> used(mesh_.points.size(), false);
-    for (const Triangle& t : mesh_.triangles)
+    for (const Triangle& t : mesh_.triangles) {
+      pace();
       for (const std::uint32_t v : t) used[v] = true;
+    }
     result_.vertices.resize(mesh_.points.size());
     nearest_.resize(mesh_.points.size());
     in_blocks("vertices", mesh_.points.size(),
@@ -123,9 +127,11 @@ class OneSided {
   }
 
   void visit_samples() {
+    Pace pace(context_);
     std::vector<double> until;  // area of the triangles up to and with this one
     until.reserve(mesh_.triangles.size());
     for (const Triangle& t : mesh_.triangles) {
+      pace();
       const Vec3& a = mesh_.points[t[0]];
       result_.area += 0.5 * ((mesh_.points[t[1]] - a) % (mesh_.points[t[2]] - a)).norm();
       until.push_back(result_.area);
@@ -176,11 +182,13 @@ class OneSided {
   }
 
   void narrow() {
+    Pace pace(context_);
     std::vector<Bounded> level = whole_triangles();
     std::uint64_t searches = level.size();
     for (;;) {
       const double limit = wanted();
       std::erase_if(level, [&](const Bounded& b) {
+        pace();
         if (b.bound > limit) return false;
         result_.max_bound = std::max(result_.max_bound, b.bound);
         return true;
@@ -191,7 +199,10 @@ class OneSided {
       const std::uint64_t cuts = left / searches_per_cut;
       if (level.size() > cuts) {
         std::stable_sort(level.begin(), level.end(),
-                         [](const Bounded& a, const Bounded& b) { return a.bound > b.bound; });
+                         [&](const Bounded& a, const Bounded& b) {
+                           pace();
+                           return a.bound > b.bound;
+                         });
         if (cuts == 0) {
           result_.max_bound = std::max(result_.max_bound, level.front().bound);
           return;
@@ -261,10 +272,11 @@ class OneSided {
   Farthest farthest_;
 };
 
-double diagonal_of(const Soup& first, const Soup& second) {
+double diagonal_of(const Soup& first, const Soup& second, Pace& pace) {
   Vec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const Soup* soup : {&first, &second})
     for (const Vec3& p : soup->points) {
+      pace();
       low.minimize(p);
       high.maximize(p);
     }
@@ -277,13 +289,16 @@ MeshDistance mesh_distance(const Soup& first, const Soup& second, const MeshDist
                            Context& context) {
   if (!(options.relative_error > 0) || !std::isfinite(options.relative_error))
     throw InvalidInput("relative_error is " + std::to_string(options.relative_error) + "; it must be above 0");
+  Pace pace(context);
   for (const Soup* soup : {&first, &second})
-    for (std::size_t i = 0; i < soup->points.size(); ++i)
+    for (std::size_t i = 0; i < soup->points.size(); ++i, pace())
       if (!std::isfinite(soup->points[i].norm()))
         throw InvalidInput("vertex " + std::to_string(i) + " has a coordinate that is not finite");
-  const ClosestTriangle first_tree(first.points, first.triangles), second_tree(second.points, second.triangles);
-  const SurfaceSide first_side(first.points, first.triangles), second_side(second.points, second.triangles);
-  const double diagonal = diagonal_of(first, second);
+  const ClosestTriangle first_tree(first.points, first.triangles, &context);
+  const ClosestTriangle second_tree(second.points, second.triangles, &context);
+  const SurfaceSide first_side(first.points, first.triangles, &context);
+  const SurfaceSide second_side(second.points, second.triangles, &context);
+  const double diagonal = diagonal_of(first, second, pace);
   MeshDistance result;
   result.forward = OneSided(first, second_tree, second_side, diagonal, options, context, "first to second").run();
   result.backward = OneSided(second, first_tree, first_side, diagonal, options, context, "second to first").run();

@@ -52,6 +52,7 @@ class Summary {
     if (soup_.points.empty()) return;
     s_.box_min = s_.box_max = soup_.points[0];
     for (const Vec3& p : soup_.points) {
+      pace_();
       s_.box_min.minimize(p);
       s_.box_max.maximize(p);
     }
@@ -133,9 +134,9 @@ class Summary {
       if (fans_at[v] > 1) places_->nonmanifold_vertices.push_back(v);
     // Every boundary edge ties two fans together; the chains of fans are the loops.
     DisjointSets chains(soup_.triangles.size() * 3);
-    for (const std::size_t corner : boundary_) chains.join(fans_.find(corner), fans_.find(next_corner(corner)));
+    for (const std::size_t corner : boundary_) pace_(), chains.join(fans_.find(corner), fans_.find(next_corner(corner)));
     std::vector<std::size_t> roots;
-    for (const std::size_t corner : boundary_) roots.push_back(chains.find(fans_.find(corner)));
+    for (const std::size_t corner : boundary_) pace_(), roots.push_back(chains.find(fans_.find(corner)));
     std::sort(roots.begin(), roots.end());
     s_.boundary_loops = static_cast<std::uint64_t>(std::unique(roots.begin(), roots.end()) - roots.begin());
     if (places_) follow_loops();
@@ -144,13 +145,14 @@ class Summary {
   /// From fan to fan: two boundary edges meet in each that has any, unless triangles around it are not manifold.
   void follow_loops() {
     std::map<std::size_t, std::vector<std::size_t>> at_fan;  // places in `boundary_`
-    for (std::size_t i = 0; i < boundary_.size(); ++i)
+    for (std::size_t i = 0; i < boundary_.size(); ++i, pace_())
       for (const std::size_t corner : {boundary_[i], next_corner(boundary_[i])}) at_fan[fans_.find(corner)].push_back(i);
     std::vector<char> seen(boundary_.size(), 0);
     for (std::size_t start = 0; start < boundary_.size(); ++start) {
       if (seen[start]) continue;
       std::vector<std::uint32_t>& loop = places_->boundary_loops.emplace_back();
       for (std::size_t i = start, corner = boundary_[start]; !seen[i];) {
+        pace_();
         seen[i] = 1;
         loop.push_back(vertex(corner));
         corner = corner == boundary_[i] ? next_corner(corner) : boundary_[i];  // the other end

@@ -23,12 +23,13 @@ SoupBox triangle_box(const Soup& soup, const Triangle& t) {
   return box;
 }
 
-OverlapTree shell_tree(const Soup& soup, std::span<const std::uint32_t> listed) {
+OverlapTree shell_tree(const Soup& soup, std::span<const std::uint32_t> listed, const Context* context) {
+  Pace pace(context);
   std::vector<SoupBox> boxes;
-  for (const std::uint32_t t : listed) boxes.push_back(triangle_box(soup, soup.triangles[t]));
+  for (const std::uint32_t t : listed) pace(), boxes.push_back(triangle_box(soup, soup.triangles[t]));
   std::vector<std::uint32_t> items(listed.size());
   std::iota(items.begin(), items.end(), 0u);
-  return {std::move(boxes), std::move(items)};
+  return {std::move(boxes), std::move(items), context};
 }
 
 /// Side of q from p to r in the plane of coordinates `x` and `y`; q counts as moved by (e, e^2) for an infinitely small e.
@@ -196,8 +197,8 @@ bool contains(const SoupBox& outer, const SoupBox& inner) {
 
 }  // namespace
 
-InsideTest::InsideTest(const Soup& soup, std::span<const std::uint32_t> listed)
-    : soup_(soup), listed_(listed.begin(), listed.end()), tree_(shell_tree(soup, listed)) {}
+InsideTest::InsideTest(const Soup& soup, std::span<const std::uint32_t> listed, const Context* context)
+    : soup_(soup), listed_(listed.begin(), listed.end()), tree_(shell_tree(soup, listed, context)) {}
 
 InsideTest::Where InsideTest::locate(const Vec3& place) const {
   constexpr int x = 1, y = 2;  // the line runs along the first axis
@@ -234,7 +235,7 @@ void find_depths(const Soup& soup, Shells& shells, Context& context) {
   }
   if (closed.size() < 2) return;
   std::vector<std::vector<std::uint32_t>> held(boxes.size());  // by the box of each shell
-  const OverlapTree tree(boxes, closed);
+  const OverlapTree tree(boxes, closed, &context);
   for (const std::uint32_t inner : closed)
     tree.overlapping(boxes[inner], 0, [&](std::uint32_t outer) {
       if (outer != inner && contains(boxes[outer], boxes[inner])) held[outer].push_back(inner);
@@ -242,7 +243,7 @@ void find_depths(const Soup& soup, Shells& shells, Context& context) {
   for (const std::uint32_t outer : closed) {
     if (held[outer].empty()) continue;
     context.checkpoint();
-    const InsideTest test(soup, shells.shells[outer].triangles);
+    const InsideTest test(soup, shells.shells[outer].triangles, &context);
     for (const std::uint32_t inner : held[outer]) {
       bool is_inside = false, is_outside = false;
       for (const std::uint32_t t : shells.shells[inner].triangles) {

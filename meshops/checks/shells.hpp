@@ -56,7 +56,8 @@ class InsideTest {
 
   /// @param listed indices of triangles; each of their edges has an even number of them. The soup must outlive this
   /// object.
-  InsideTest(const Soup& soup, std::span<const std::uint32_t> listed);
+  /// @param context null: cannot be cancelled @throws Cancelled
+  InsideTest(const Soup& soup, std::span<const std::uint32_t> listed, const Context* context = nullptr);
 
   /// Inside is what an odd number of triangles lies before, seen along an axis. Exact for any finite coordinates: where
   /// the line meets an edge, the place counts as moved by an infinitely small amount [Edelsbrunner & Muecke 1990].

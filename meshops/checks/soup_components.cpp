@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
 
 std::vector<SoupComponent> measure_components(const Soup& soup, std::span<const std::uint32_t> component_of_triangle,
-                                              const Shells& shells) {
+                                              const Shells& shells, const Context* context) {
+  Pace pace(context);
   std::vector<SoupComponent> result;
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+    pace();
     const std::uint32_t n = component_of_triangle[i];
     if (n == Shells::none) continue;
     result.resize(std::max<std::size_t>(result.size(), n + std::size_t{1}));

@@ -20,8 +20,10 @@ struct SoupComponent {
 
 /// @param component_of_triangle as `MeshPlaces` has it
 /// @param shells of the same soup
+/// @param context null: cannot be cancelled
 /// @return by number of component. O(triangles)
+/// @throws Cancelled
 std::vector<SoupComponent> measure_components(const Soup& soup, std::span<const std::uint32_t> component_of_triangle,
-                                              const Shells& shells);
+                                              const Shells& shells, const Context* context = nullptr);
 
 }  // namespace tri

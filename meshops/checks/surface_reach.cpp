@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <unordered_map>
 
+#include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/closest_on_triangle.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -23,32 +24,41 @@ CornerPoints sorted_corners(const Soup& soup, const Triangle& t) {
   return c;
 }
 
+std::size_t hash(const CornerPoints& c) {
+  std::uint64_t h = 0;
+  for (const Vec3& p : c)
+    for (int k = 0; k < 3; ++k) {
+      h = (h ^ std::bit_cast<std::uint64_t>(p[k] + 0.0)) * 0x9E3779B97F4A7C15ULL;  // -0 equals 0
+      h ^= h >> 32;
+    }
+  return static_cast<std::size_t>(h);
+}
+
 /// Finds triangles by the coordinates of their corners.
 class TrianglesByPlace {
  public:
-  explicit TrianglesByPlace(const Soup& soup) {
-    known_.reserve(soup.triangles.size());
-    for (const Triangle& t : soup.triangles) {
-      const CornerPoints c = sorted_corners(soup, t);
-      known_.emplace(hash(c), c);
+  TrianglesByPlace(const Soup& soup, const Context& context)
+      : soup_(soup), slots_(std::bit_ceil(2 * soup.triangles.size() + 16), no_index) {
+    Pace pace(context);
+    for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
+      pace();
+      std::uint32_t& slot = slot_of(sorted_corners(soup, soup.triangles[t]));
+      if (slot == no_index) slot = t;
     }
   }
-  bool has(const CornerPoints& c) const {
-    const auto [begin, end] = known_.equal_range(hash(c));
-    return std::any_of(begin, end, [&](const auto& entry) { return entry.second == c; });
-  }
+  bool has(const CornerPoints& c) { return slot_of(c) != no_index; }
 
  private:
-  static std::uint64_t hash(const CornerPoints& c) {
-    std::uint64_t h = 0;
-    for (const Vec3& p : c)
-      for (int k = 0; k < 3; ++k) {
-        h = (h ^ std::bit_cast<std::uint64_t>(p[k] + 0.0)) * 0x9E3779B97F4A7C15ULL;  // -0 equals 0
-        h ^= h >> 32;
-      }
-    return h;
+  /// Where the triangle with these corners is, or belongs.
+  std::uint32_t& slot_of(const CornerPoints& c) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = hash(c) & mask;
+    while (slots_[at] != no_index && sorted_corners(soup_, soup_.triangles[slots_[at]]) != c) at = (at + 1) & mask;
+    return slots_[at];
   }
-  std::unordered_multimap<std::uint64_t, CornerPoints> known_;
+
+  const Soup& soup_;
+  std::vector<std::uint32_t> slots_;  ///< triangles
 };
 
 }  // namespace
@@ -86,11 +96,13 @@ ReachOfTriangle reach_of(const std::array<Vec3, 3>& triangle, const ClosestTrian
 PlacesBeyond places_beyond(const Soup& from, std::span<const std::uint32_t> left_out, const Soup& to, double reach,
                            Context& context) {
   constexpr std::size_t searches = 4000, searches_each = 4;
-  const ClosestTriangle surface(to.points, to.triangles);
-  const TrianglesByPlace same(to);
+  const ClosestTriangle surface(to.points, to.triangles, &context);
+  TrianglesByPlace same(to, context);
+  Pace pace(context), search_pace(context, 128);
   std::vector<std::uint32_t> changed;
   double area = 0;
   for (std::uint32_t t = 0; t < from.triangles.size(); ++t) {
+    pace();
     if (std::ranges::binary_search(left_out, t) || same.has(sorted_corners(from, from.triangles[t]))) continue;
     changed.push_back(t);
     area += area_vector(from, from.triangles[t]).norm();
@@ -98,7 +110,7 @@ PlacesBeyond places_beyond(const Soup& from, std::span<const std::uint32_t> left
   PlacesBeyond result;
   std::uint32_t hint = 0;
   for (std::size_t i = 0; i < changed.size(); ++i) {
-    if (i % 1024 == 0) context.checkpoint();
+    search_pace();
     const CornerPoints corners = sorted_corners(from, from.triangles[changed[i]]);
     const double share = area > 0 ? area_vector(from, from.triangles[changed[i]]).norm() / area : 0;
     const auto most = searches_each +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -10,7 +11,10 @@
 #include "meshops/crossings/solid_check.hpp"
 #include "meshops/crossings/triangle_pair.hpp"
 #include "meshops/joining/joined_points.hpp"
+#include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/random_stream.hpp"
+#include "meshops/search/number_map.hpp"
 #include "meshops/search/overlap_tree.hpp"
 #include "meshops/single_precision.hpp"
 #include "meshops/soup_edit.hpp"
@@ -25,19 +29,22 @@ constexpr double longer = 2;  ///< each try than the one before
 class Parter {
  public:
   Parter(Soup& soup, double farthest, Context& context)
-      : soup_(soup), farthest_(farthest), context_(context), name_(points_at_same_place(soup.points)), tree_(tree()) {
-    for (const std::uint32_t n : name_) ++in_place_[place_of(soup_.points[n])];
+      : soup_(soup), farthest_(farthest), context_(context), name_(points_at_same_place(soup.points, &context)),
+        in_place_(soup.points.size()), tree_(tree()) {
+    Pace pace(context);
+    for (const std::uint32_t n : name_) pace(), in_place_.insert(place_of(soup_.points[n]), n);
   }
 
   std::size_t run() {
-    const std::vector<std::uint32_t> touching = touching_vertices(soup_);
+    const std::vector<std::uint32_t> touching = touching_vertices(soup_, &context_);
     std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
     for (const std::uint32_t v : touching) groups[name_[v]].push_back(v);
     std::map<std::uint32_t, std::vector<std::uint32_t>> fans;
     for (auto& [first, group] : groups) group.push_back(first);
     for (const auto& [first, group] : groups)
       for (const std::uint32_t v : group) fans[v];
-    for (std::uint32_t t = 0; t < soup_.triangles.size(); ++t)
+    Pace pace(context_);
+    for (std::uint32_t t = 0; t < soup_.triangles.size(); ++t, pace())
       for (const std::uint32_t v : soup_.triangles[t])
         if (const auto fan = fans.find(v); fan != fans.end()) fan->second.push_back(t);
     std::size_t moved = 0;
@@ -56,19 +63,27 @@ class Parter {
 
  private:
   using Place = std::array<double, 3>;
+  struct PlaceHash {
+    std::size_t operator()(const Place& p) const {
+      std::uint64_t h = 0;
+      for (const double x : p) h = (h ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u, h ^= h >> 32;
+      return static_cast<std::size_t>(h);
+    }
+  };
 
   static Place place_of(const Vec3& p) { return {p[0] + 0.0, p[1] + 0.0, p[2] + 0.0}; }
 
   /// Boxes hold the triangles wherever their vertices move.
   OverlapTree tree() const {
+    Pace pace(context_);
     std::vector<OverlapTree::Box> boxes(soup_.triangles.size());
     std::vector<std::uint32_t> items(boxes.size());
     std::iota(items.begin(), items.end(), 0u);
     const Vec3 reach = Vec3(1, 1, 1) * farthest_;
-    for (std::size_t t = 0; t < boxes.size(); ++t)
+    for (std::size_t t = 0; t < boxes.size(); ++t, pace())
       for (const std::uint32_t v : soup_.triangles[t])
         boxes[t].grow(soup_.points[v] - reach), boxes[t].grow(soup_.points[v] + reach);
-    return OverlapTree(std::move(boxes), std::move(items));
+    return OverlapTree(std::move(boxes), std::move(items), &context_);
   }
 
   std::array<Vec3, 3> corners(std::uint32_t t) const {
@@ -105,10 +120,10 @@ class Parter {
       for (const Vec3& d : directions) {
         if (!(d.norm() > 0)) continue;
         const Vec3 to = rounded_to_floats(from + d * (length / d.norm()));
-        if ((to - from).norm() > farthest_ || in_place_.count(place_of(to))) continue;
+        if ((to - from).norm() > farthest_ || in_place_.find(place_of(to)) != no_index) continue;
         soup_.points[v] = to;
         if (!fits(fan, normals)) continue;
-        ++in_place_[place_of(to)];
+        in_place_.insert(place_of(to), v);
         return true;
       }
     soup_.points[v] = from;
@@ -138,7 +153,7 @@ class Parter {
   const double farthest_;
   Context& context_;
   std::vector<std::uint32_t> name_;  ///< of vertices: the same for those in one place
-  std::map<Place, int> in_place_;
+  NumberMap<Place, PlaceHash> in_place_;  ///< places that vertices have or had
   const OverlapTree tree_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "meshops/crossings/triangle_pair.hpp"
 #include "meshops/joining/joined_points.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -17,27 +18,31 @@ bool has_side(const Triangle& t, std::uint32_t from, std::uint32_t to) {
 
 }  // namespace
 
-PatchedTriangles::PatchedTriangles(const Soup& soup)
-    : points_(soup.points), triangles_(soup.triangles), there_(soup.triangles.size(), 1), given_(size()) {
-  const std::vector<std::uint32_t> same = points_at_same_place(points_);
+PatchedTriangles::PatchedTriangles(const Soup& soup, const Context* context)
+    : context_(context), points_(soup.points), triangles_(soup.triangles), there_(soup.triangles.size(), 1), given_(size()) {
+  Pace pace(context);
+  const std::vector<std::uint32_t> same = points_at_same_place(points_, context);
   first_.assign(points_.size() + 1, 0);
-  for (Triangle& t : triangles_)
+  for (Triangle& t : triangles_) {
+    pace();
     for (std::uint32_t& v : t) v = same[v], ++first_[v + 1];
+  }
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   around_.resize(3 * triangles_.size());
   std::vector<std::uint32_t> end(first_.begin(), first_.end() - 1);
-  for (std::uint32_t t = 0; t < given_; ++t)
+  for (std::uint32_t t = 0; t < given_; ++t, pace())
     for (const std::uint32_t v : triangles_[t]) around_[end[v]++] = t;
   levels_.push_back(level_of(0, given_));
 }
 
 PatchedTriangles::Level PatchedTriangles::level_of(std::uint32_t first, std::uint32_t end) const {
+  Pace pace(context_);
   std::vector<OverlapTree::Box> boxes(end - first);
   std::vector<std::uint32_t> items(end - first);
   std::iota(items.begin(), items.end(), 0u);
-  for (std::uint32_t t = first; t < end; ++t)
+  for (std::uint32_t t = first; t < end; ++t, pace())
     for (const std::uint32_t v : triangles_[t]) boxes[t - first].grow(points_[v]);
-  return {first, end, OverlapTree(std::move(boxes), std::move(items))};
+  return {first, end, OverlapTree(std::move(boxes), std::move(items), context_)};
 }
 
 std::uint32_t PatchedTriangles::add(const Triangle& corners) {

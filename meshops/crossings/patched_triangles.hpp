@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/search/overlap_tree.hpp"
 #include "meshops/soup.hpp"
 
@@ -19,7 +20,8 @@ class PatchedTriangles {
   static constexpr std::uint32_t none = 0xffffffff;  ///< in place of a triangle
 
   /// Copies what it needs. O(n log n) of n triangles.
-  explicit PatchedTriangles(const Soup& soup);
+  /// @param context  null: cannot be cancelled @throws Cancelled
+  explicit PatchedTriangles(const Soup& soup, const Context* context = nullptr);
 
   /// Number of triangles ever, those that were taken out among them; the soup's own come first.
   std::uint32_t size() const { return static_cast<std::uint32_t>(triangles_.size()); }
@@ -67,6 +69,7 @@ class PatchedTriangles {
   };
   Level level_of(std::uint32_t first, std::uint32_t end) const;
 
+  const Context* context_;
   std::vector<Vec3> points_;
   std::vector<Triangle> triangles_;
   std::vector<char> there_;

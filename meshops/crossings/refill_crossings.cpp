@@ -9,6 +9,7 @@
 #include "meshops/crossings/patched_triangles.hpp"
 #include "meshops/holes/ring_untangling.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/closest_triangle.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/shape/triangle_normal.hpp"
@@ -38,11 +39,12 @@ bool holds(const Patch& patch, std::uint32_t t) { return std::ranges::binary_sea
 class Refiller {
  public:
   Refiller(Soup& soup, double farthest, Context& context)
-      : soup_(soup), farthest_(farthest), context_(context), mesh_(soup) {}
+      : soup_(soup), farthest_(farthest), context_(context), mesh_(soup, &context) {}
 
   RefillReport run(std::span<const Pair> crossing) {
     RefillReport result;
-    for (const auto& [t, u] : crossing) partners_[t].push_back(u), partners_[u].push_back(t);
+    Pace pace(context_);
+    for (const auto& [t, u] : crossing) pace(), partners_[t].push_back(u), partners_[u].push_back(t);
     const std::vector<std::vector<Pair>> places = places_of(crossing);
     for (std::size_t i = 0; i < places.size(); ++i) {
       context_.checkpoint();
@@ -61,24 +63,27 @@ class Refiller {
 
   /// Puts the fillings into the soup.
   void write(Report& report) {
+    Pace pace(context_);
     std::vector<char> keep(mesh_.given());
-    for (std::uint32_t t = 0; t < keep.size(); ++t) keep[t] = mesh_.there(t);
-    for (const NewTriangle& t : added_) add_triangle_from(soup_, t.corners, t.source, t.corner_sources);
+    for (std::uint32_t t = 0; t < keep.size(); ++t) pace(), keep[t] = mesh_.there(t);
+    for (const NewTriangle& t : added_) pace(), add_triangle_from(soup_, t.corners, t.source, t.corner_sources);
     report.faces_added = added_.size();
     report.faces_removed = static_cast<std::uint64_t>(std::ranges::count(keep, 0));
     std::vector<char> used(soup_.points.size(), 1);
-    for (std::size_t t = 0; t < keep.size(); ++t)
+    for (std::size_t t = 0; t < keep.size(); ++t, pace())
       if (!keep[t])
         for (const std::uint32_t v : soup_.triangles[t]) used[v] = 0;
     keep.resize(soup_.triangles.size(), 1);
-    keep_triangles(soup_, keep);
-    for (const Triangle& t : soup_.triangles)
+    keep_triangles(soup_, keep, &context_);
+    for (const Triangle& t : soup_.triangles) {
+      pace();
       for (const std::uint32_t v : t) used[v] = 1;
+    }
     std::vector<std::uint32_t> number(soup_.points.size());
     std::uint32_t count = 0;
     for (std::size_t v = 0; v < number.size(); ++v) number[v] = used[v] ? count++ : dropped_point;
     report.vertices_removed = number.size() - count;
-    renumber_points(soup_, number, count);
+    renumber_points(soup_, number, count, &context_);
     for (std::size_t i = added_.size(); i > 0; --i)
       report.touched_faces.push_back(static_cast<std::uint32_t>(soup_.triangles.size() - i));
   }
@@ -99,8 +104,9 @@ class Refiller {
       return static_cast<std::size_t>(std::ranges::lower_bound(triangles, t) - triangles.begin());
     };
     DisjointSets sets(triangles.size());
-    for (const Pair& p : crossing) sets.join(number(p[0]), number(p[1]));
-    for (std::size_t i = 0; i < triangles.size(); ++i)
+    Pace pace(context_);
+    for (const Pair& p : crossing) pace(), sets.join(number(p[0]), number(p[1]));
+    for (std::size_t i = 0; i < triangles.size(); ++i, pace())
       for (std::size_t k = 0; k < 3; ++k)
         if (const std::uint32_t other = mesh_.beyond(triangles[i], k);
             other != PatchedTriangles::none && holds(triangles, other))

@@ -14,6 +14,7 @@
 
 #include "meshops/crossings/predicates.hpp"
 #include "meshops/crossings/triangle_pair.hpp"
+#include "meshops/search/cancellable_sort.hpp"
 #include "meshops/search/key_sort.hpp"
 #include "meshops/search/overlap_tree.hpp"
 #include "meshops/search/spread_bits.hpp"
@@ -29,7 +30,7 @@ using BlockBox = OverlapTree::Box;
 /// costs three times as much.
 class Blocks {
  public:
-  Blocks(std::span<const Vec3> points, std::span<const Triangle> triangles) {
+  Blocks(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context& context) {
     BlockBox all;
     for (const Vec3& p : points) all.grow(p);
     Vec3 scale(0, 0, 0);
@@ -41,6 +42,7 @@ class Blocks {
     std::vector<KeyedIndex> order(triangles.size());
     constexpr std::uint32_t no_area = std::uint32_t{1} << 30;
     tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(triangles.size()), 4096), [&](const auto& range) {
+      context.checkpoint();
       for (std::uint32_t t = range.begin(); t < range.end(); ++t) {
         const Vec3 &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
         std::uint32_t key = 0;
@@ -50,13 +52,16 @@ class Blocks {
         order[t] = {key, t};
       }
     });
+    context.checkpoint();
     sort_by_key(order, 31);
+    context.checkpoint();
     while (!order.empty() && order.back().key == no_area) order.pop_back();
     items_.resize(order.size());
     corners_.resize(order.size());
     blocks_.resize((order.size() + block_size - 1) / block_size);
     std::vector<BlockBox> boxes(blocks_.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks_.size(), 128), [&](const auto& range) {
+      context.checkpoint();
       for (std::size_t b = range.begin(); b < range.end(); ++b) {
         for (std::size_t j = 0; j < block_size; ++j) {
           const std::size_t i = b * block_size + j;
@@ -76,6 +81,7 @@ class Blocks {
         }
       }
     });
+    context.checkpoint();
     bounds_.resize(blocks_.size());
     for (std::size_t b = 0; b < blocks_.size(); ++b)
       for (int k = 0; k < 3; ++k) {
@@ -86,7 +92,7 @@ class Blocks {
       }
     std::vector<std::uint32_t> ids(boxes.size());
     std::iota(ids.begin(), ids.end(), 0u);
-    tree_.emplace(std::move(boxes), std::move(ids));
+    tree_.emplace(std::move(boxes), std::move(ids), &context);
   }
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(blocks_.size()); }
@@ -160,10 +166,10 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
   tbb::enumerable_thread_specific<Pairs> found;
   tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
   arena.execute([&] {
-    const Blocks blocks(points, triangles);
+    const Blocks blocks(points, triangles, context);
     context.checkpoint();
     tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, blocks.size(), 32), [&](const auto& range) {
-      if (context.cancelled()) return;
+      context.checkpoint();
       Pairs& mine = found.local();
       for (std::uint32_t b = range.begin(); b < range.end(); ++b)
         blocks.overlapping_pairs(b, [&](std::uint32_t t, const Triangle& q, std::uint32_t u, const Triangle& r) {
@@ -179,7 +185,7 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
   context.checkpoint();
   Pairs pairs;
   for (const Pairs& part : found) pairs.insert(pairs.end(), part.begin(), part.end());
-  std::sort(pairs.begin(), pairs.end());
+  cancellable_sort(pairs.begin(), pairs.end(), &context);
   return pairs;
 }
 

@@ -7,15 +7,20 @@
 #include "meshops/crossings/self_intersections.hpp"
 #include "meshops/joining/joined_points.hpp"
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
 namespace {
 
-std::vector<Triangle> by_place(std::span<const Vec3> points, std::span<const Triangle> triangles) {
-  const std::vector<std::uint32_t> same = points_at_same_place(points);
+std::vector<Triangle> by_place(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context& context) {
+  Pace pace(context);
+  const std::vector<std::uint32_t> same = points_at_same_place(points, &context);
   std::vector<Triangle> welded(triangles.begin(), triangles.end());
-  for (Triangle& t : welded) t = {same[t[0]], same[t[1]], same[t[2]]};
+  for (Triangle& t : welded) {
+    pace();
+    t = {same[t[0]], same[t[1]], same[t[2]]};
+  }
   return welded;
 }
 
@@ -35,9 +40,11 @@ bool faces_outward(const Soup& soup, Context& context) {
 }  // namespace
 
 SurfaceContacts surface_contacts(std::span<const Vec3> points, std::span<const Triangle> triangles, Context& context) {
+  Pace pace(context);
   SurfaceContacts contacts;
-  const std::vector<Triangle> welded = by_place(points, triangles);
+  const std::vector<Triangle> welded = by_place(points, triangles, context);
   for (std::uint32_t t = 0; t < welded.size(); ++t) {
+    pace();
     const Triangle& v = welded[t];
     const Vec3 &a = points[v[0]], &b = points[v[1]], &c = points[v[2]];
     // The exact test only where rounding could hide an area.
@@ -49,13 +56,17 @@ SurfaceContacts surface_contacts(std::span<const Vec3> points, std::span<const T
   return contacts;
 }
 
-std::vector<std::uint32_t> touching_vertices(const Soup& soup) {
+std::vector<std::uint32_t> touching_vertices(const Soup& soup, const Context* context) {
+  Pace pace(context);
   std::vector<char> used(soup.points.size(), 0), taken(soup.points.size(), 0);
-  for (const Triangle& t : soup.triangles)
+  for (const Triangle& t : soup.triangles) {
+    pace();
     for (const std::uint32_t v : t) used[v] = 1;
-  const std::vector<std::uint32_t> same = points_at_same_place(soup.points);
+  }
+  const std::vector<std::uint32_t> same = points_at_same_place(soup.points, context);
   std::vector<std::uint32_t> touching;
   for (std::uint32_t v = 0; v < used.size(); ++v) {
+    pace();
     if (!used[v]) continue;
     if (taken[same[v]]) touching.push_back(v);
     taken[same[v]] = 1;
@@ -67,7 +78,7 @@ bool is_clean_solid(const Soup& soup, bool apart, Context& context) {
   if (soup.triangles.empty() || std::ranges::any_of(soup.triangles, repeats_vertex)) return false;
   if (!is_closed_manifold(soup.triangles, soup.points.size(), context)) return false;
   if (apart) {
-    const std::vector<Triangle> welded = by_place(soup.points, soup.triangles);
+    const std::vector<Triangle> welded = by_place(soup.points, soup.triangles, context);
     if (std::ranges::any_of(welded, repeats_vertex) || !is_closed_manifold(welded, soup.points.size(), context)) return false;
   }
   return faces_outward(soup, context) && surface_contacts(soup.points, soup.triangles, context).none();

@@ -21,9 +21,9 @@ struct SurfaceContacts {
 /// @throws Cancelled
 SurfaceContacts surface_contacts(std::span<const Vec3> points, std::span<const Triangle> triangles, Context& context);
 
-
 /// Vertices that triangles use and that lie in the place of a lower one that triangles use: they touch.
-std::vector<std::uint32_t> touching_vertices(const Soup& soup);
+/// @param context  null: cannot be cancelled @throws Cancelled
+std::vector<std::uint32_t> touching_vertices(const Soup& soup, const Context* context = nullptr);
 
 /// Whether the triangles, as they are, bound a solid: closed, manifold, coherently oriented, every shell outward or a cavity in
 /// another one, without crossings and without triangles that have no area. Exact but for the sign of the volumes. A soup

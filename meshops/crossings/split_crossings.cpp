@@ -6,10 +6,13 @@
 
 #include "meshops/crossings/arrangement/crossing_complex.hpp"
 #include "meshops/crossings/arrangement/grid_frame.hpp"
+#include "meshops/crossings/arrangement/grid_hash.hpp"
 #include "meshops/crossings/solid_check.hpp"
 #include "meshops/crossings/triangle_pieces.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/disjoint_sets.hpp"
+#include "meshops/search/number_map.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -27,16 +30,18 @@ struct OnGrid {
   std::vector<std::uint32_t> point;   ///< of each vertex of the soup: that of the complex
   std::vector<std::uint32_t> vertex;  ///< of each point of the complex at first: a vertex that it is
 
-  explicit OnGrid(const Soup& soup) : frame(soup, GridFrame::doubles), point(soup.points.size(), no_index) {
-    std::map<GridPoint, std::uint32_t> numbers;
+  OnGrid(const Soup& soup, const Context& context) : frame(soup, GridFrame::doubles), point(soup.points.size(), no_index) {
+    Pace pace(context);
+    NumberMap<GridPoint, GridHash> numbers(soup.points.size());
     for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
+      pace();
       Triangle t = soup.triangles[i];
       for (std::uint32_t& v : t) {
         if (point[v] == no_index) {
-          const auto [it, added] =
-              numbers.emplace(frame.to_grid(soup.points[v]), static_cast<std::uint32_t>(complex.points.size()));
-          if (added) complex.points.push_back(it->first), vertex.push_back(v);
-          point[v] = it->second;
+          const GridPoint place = frame.to_grid(soup.points[v]);
+          const auto [same, added] = numbers.insert(place, static_cast<std::uint32_t>(complex.points.size()));
+          if (added) complex.points.push_back(place), vertex.push_back(v);
+          point[v] = same;
         }
         v = point[v];
       }
@@ -47,9 +52,11 @@ struct OnGrid {
 
 /// The pieces; the soup's vertices keep their numbers, and a corner that the triangle had keeps its vertex.
 /// @param restore  vertices keep their coordinates, too
-TrianglePieces pieces_of(const Soup& soup, const OnGrid& grid, bool restore) {
+TrianglePieces pieces_of(const Soup& soup, const OnGrid& grid, bool restore, const Context& context) {
+  Pace pace(context);
   TrianglePieces pieces;
   for (std::uint32_t v = 0; v < soup.points.size(); ++v) {
+    pace();
     pieces.original.push_back(v);
     pieces.places.push_back(restore || grid.point[v] == no_index ? soup.points[v]
                                                                  : grid.frame.to_space(grid.complex.points[grid.point[v]]));
@@ -59,6 +66,7 @@ TrianglePieces pieces_of(const Soup& soup, const OnGrid& grid, bool restore) {
     pieces.places.push_back(grid.frame.to_space(grid.complex.points[p]));
   }
   for (const CrossingComplex::Face& f : grid.complex.faces) {
+    pace();
     const Triangle& of = soup.triangles[f.source];
     Triangle v = f.v;
     for (std::uint32_t& corner : v) {
@@ -78,7 +86,8 @@ TrianglePieces pieces_of(const Soup& soup, const OnGrid& grid, bool restore) {
 
 Pairs crossings(const TrianglePieces& pieces, Context& context) {
   std::vector<Triangle> triangles;
-  for (const TrianglePieces::Piece& p : pieces.triangles) triangles.push_back(p.v);
+  Pace pace(context);
+  for (const TrianglePieces::Piece& p : pieces.triangles) pace(), triangles.push_back(p.v);
   return surface_contacts(pieces.places, triangles, context).crossing;
 }
 
@@ -100,11 +109,14 @@ void move_to_grid(TrianglePieces on_grid, TrianglePieces& pieces, Pairs& crossin
 }
 
 /// Puts the triangles back of places where it became no better. @return how many places
-std::size_t undo_where_no_better(const Soup& soup, const Pairs& before, const Pairs& after, TrianglePieces& pieces) {
+std::size_t undo_where_no_better(const Soup& soup, const Pairs& before, const Pairs& after, TrianglePieces& pieces,
+                                 const Context& context) {
+  Pace pace(context);
   const std::size_t n = soup.triangles.size();
   const auto source = [&](std::uint32_t piece) { return pieces.triangles[piece].source; };
   std::vector<char> whole(n, 0);
   for (const TrianglePieces::Piece& p : pieces.triangles) {
+    pace();
     const Triangle& t = soup.triangles[p.source];
     bool same = true;
     for (const std::uint32_t v : p.v) same &= std::ranges::find(t, v) != t.end();
@@ -114,7 +126,7 @@ std::size_t undo_where_no_better(const Soup& soup, const Pairs& before, const Pa
   for (const auto& pair : before) places.join(pair[0], pair[1]);
   for (const auto& pair : after) places.join(source(pair[0]), source(pair[1]));
   std::map<std::array<std::uint32_t, 2>, std::uint32_t> at_side;
-  for (std::uint32_t t = 0; t < n; ++t)
+  for (std::uint32_t t = 0; t < n; ++t, pace())
     for (std::size_t k = 0; !whole[t] && k < 3; ++k) {
       const std::uint32_t a = soup.triangles[t][k], b = soup.triangles[t][(k + 1) % 3];
       const auto [other, first] = at_side.emplace(std::array{std::min(a, b), std::max(a, b)}, t);
@@ -127,15 +139,19 @@ std::size_t undo_where_no_better(const Soup& soup, const Pairs& before, const Pa
     const auto place = counts.find(places.find(t));
     return place != counts.end() && place->second[1] > 0 && place->second[1] >= place->second[0];
   };
-  std::erase_if(pieces.triangles, [&](const TrianglePieces::Piece& p) { return worse(p.source); });
-  for (std::uint32_t t = 0; t < n; ++t)
+  std::erase_if(pieces.triangles, [&](const TrianglePieces::Piece& p) {
+    pace();
+    return worse(p.source);
+  });
+  for (std::uint32_t t = 0; t < n; ++t, pace())
     if (worse(t)) pieces.triangles.push_back({soup.triangles[t], soup.triangles[t], t});
   return static_cast<std::size_t>(std::ranges::count_if(
       counts, [](const auto& place) { return place.second[1] > 0 && place.second[1] >= place.second[0]; }));
 }
 
 /// Counts of a further change, after which triangle i is what `before[i]` says.
-void append(Report& report, const Report& more, const std::vector<std::uint32_t>& before) {
+void append(Report& report, const Report& more, const std::vector<std::uint32_t>& before, const Context& context) {
+  Pace pace(context);
   report.vertices_added += more.vertices_added;
   report.vertices_removed += more.vertices_removed;
   report.vertices_moved += more.vertices_moved;
@@ -143,7 +159,7 @@ void append(Report& report, const Report& more, const std::vector<std::uint32_t>
   report.faces_removed += more.faces_removed;
   std::vector<std::uint32_t> touched = more.touched_faces;
   std::ranges::sort(report.touched_faces);
-  for (std::uint32_t t = 0; t < before.size(); ++t)
+  for (std::uint32_t t = 0; t < before.size(); ++t, pace())
     if (std::ranges::binary_search(report.touched_faces, before[t])) touched.push_back(t);
   std::ranges::sort(touched);
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
@@ -156,15 +172,15 @@ SplitReport split_crossings(Soup& soup, std::size_t crossing, double farthest, R
   SplitReport result{0, 0, crossing};
   Soup work = soup;
   for (int pass = 0; pass < cutting_passes && result.left > 0 && result.undone == 0; ++pass) {
-    OnGrid grid(work);
+    OnGrid grid(work, context);
     const CrossingReport cut =
         resolve_crossings(grid.complex, grid.frame.steps_in(cutting_reach_share), farthest / grid.frame.step(), context);
-    TrianglePieces pieces = pieces_of(work, grid, true);
+    TrianglePieces pieces = pieces_of(work, grid, true, context);
     Pairs now = crossings(pieces, context);
-    if (!now.empty()) move_to_grid(pieces_of(work, grid, false), pieces, now, context);
+    if (!now.empty()) move_to_grid(pieces_of(work, grid, false, context), pieces, now, context);
     std::size_t undone = 0;
     if (!now.empty()) {
-      undone = undo_where_no_better(work, surface_contacts(work.points, work.triangles, context).crossing, now, pieces);
+      undone = undo_where_no_better(work, surface_contacts(work.points, work.triangles, context).crossing, now, pieces, context);
       if (undone > 0) now = crossings(pieces, context);
     }
     if (now.size() >= result.left) break;
@@ -172,10 +188,10 @@ SplitReport split_crossings(Soup& soup, std::size_t crossing, double farthest, R
     result.undone = undone;
     result.cut += cut.cut;
     Report step;
-    const std::vector<std::uint32_t> piece = replace_by_pieces(work, pieces, step);
+    const std::vector<std::uint32_t> piece = replace_by_pieces(work, pieces, step, context);
     std::vector<std::uint32_t> source;
     for (const std::uint32_t p : piece) source.push_back(pieces.triangles[p].source);
-    append(report, step, source);
+    append(report, step, source, context);
   }
   if (result.left < crossing) soup = std::move(work);
   return result;

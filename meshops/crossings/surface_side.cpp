@@ -1,11 +1,11 @@
 #include "meshops/crossings/surface_side.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "meshops/joining/joined_points.hpp"
+#include "meshops/pace.hpp"
+#include "meshops/search/cancellable_sort.hpp"
 #include "meshops/shape/triangle_normal.hpp"
 
 namespace tri {
@@ -19,11 +19,12 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
 
 }  // namespace
 
-SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle> triangles)
+SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context* context)
     : points_(points.begin(), points.end()),
       triangles_(triangles.begin(), triangles.end()),
       vertex_normals_(points.size(), Vec3(0, 0, 0)) {
-  const std::vector<std::uint32_t> lowest = points_at_same_place(points_);
+  Pace pace(context);
+  const std::vector<std::uint32_t> lowest = points_at_same_place(points_, context);
   struct Side {
     std::uint64_t key;
     std::uint32_t triangle;
@@ -31,6 +32,7 @@ SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle>
   std::vector<Side> sides;
   sides.reserve(3 * triangles_.size());
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    pace();
     Triangle& corners = triangles_[t];
     for (std::uint32_t& v : corners) v = lowest[v];
     const Vec3 normal =
@@ -42,10 +44,11 @@ SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle>
       sides.push_back({key_of(corners[k], corners[(k + 1) % 3]), t});
     }
   }
-  tbb::parallel_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+  cancellable_sort(sides.begin(), sides.end(), context, [](const Side& a, const Side& b) {
     return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
   });
   for (const Side& side : sides) {
+    pace();
     const Triangle& t = triangles_[side.triangle];
     const Vec3 normal = unit_or_zero((points_[t[1]] - points_[t[0]]) % (points_[t[2]] - points_[t[0]]));
     if (edges_.empty() || edges_.back().key != side.key)

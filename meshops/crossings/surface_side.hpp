@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/search/closest_triangle.hpp"
 #include "meshops/soup.hpp"
 
@@ -18,7 +19,8 @@ namespace tri {
 class SurfaceSide {
  public:
   /// Copies what it needs. @param triangles  every index is below points.size()
-  SurfaceSide(std::span<const Vec3> points, std::span<const Triangle> triangles);
+  /// @param context  null: cannot be cancelled @throws Cancelled
+  SurfaceSide(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context* context = nullptr);
 
   /// 1 on the side that the triangles face, -1 on the other; 1 where the two cannot be told apart.
   /// @param hit  the closest point of `place`, found by a ClosestTriangle of the same surface

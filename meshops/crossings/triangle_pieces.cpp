@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -25,7 +26,8 @@ std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
 
 }  // namespace
 
-std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report) {
+std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report, const Context& context) {
+  Pace pace(context);
   const std::vector<Vec3>& places = pieces.places;
   const std::size_t old_points = soup.points.size(), old_triangles = soup.triangles.size();
   std::vector<std::uint32_t> name(places.size(), no_index);
@@ -33,6 +35,7 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
   std::vector<char> kept(old_triangles, 0);
   std::vector<std::pair<Triangle, std::uint32_t>> added;
   for (const TrianglePieces::Piece& piece : pieces.triangles) {
+    pace();
     Triangle named;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = piece.v[k];
@@ -55,6 +58,7 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
   std::vector<std::pair<Triangle, std::uint32_t>> fresh;
   std::vector<std::uint32_t> piece_kept(old_triangles, no_index), fresh_pieces;
   for (std::uint32_t i = 0; i < added.size(); ++i) {
+    pace();
     const auto& [t, source] = added[i];
     const Triangle& was = soup.triangles[source];
     bool same = false;
@@ -68,30 +72,34 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
     }
   }
   for (std::size_t v = 0; v < name.size(); ++v) {
+    pace();
     if (name[v] == no_index) continue;
     if (name[v] < old_points) report.vertices_moved += soup.points[name[v]] != places[v];
     else ++report.vertices_added;
   }
-  for (const auto& [t, source] : fresh) add_triangle_in(soup, t, source);
+  for (const auto& [t, source] : fresh) pace(), add_triangle_in(soup, t, source);
   for (std::size_t v = 0; v < name.size(); ++v)
     if (name[v] != no_index) soup.points[name[v]] = places[v];
   report.faces_added = fresh.size();
   kept.resize(soup.triangles.size(), 1);
   report.faces_removed = static_cast<std::uint64_t>(std::count(kept.begin(), kept.end(), 0));
-  keep_triangles(soup, kept);
+  keep_triangles(soup, kept, &context);
   for (std::size_t t = soup.triangles.size() - fresh.size(); t < soup.triangles.size(); ++t)
     report.touched_faces.push_back(static_cast<std::uint32_t>(t));
   // Vertices that no triangle uses go.
   std::vector<char> used(soup.points.size(), 0);
-  for (const Triangle& t : soup.triangles)
+  for (const Triangle& t : soup.triangles) {
+    pace();
     for (const std::uint32_t v : t) used[v] = 1;
+  }
   std::vector<std::uint32_t> number(soup.points.size());
   std::uint32_t count = 0;
   for (std::size_t v = 0; v < number.size(); ++v) {
+    pace();
     number[v] = used[v] ? count++ : dropped_point;
     if (!used[v] && v < old_points) ++report.vertices_removed;
   }
-  renumber_points(soup, number, count);
+  renumber_points(soup, number, count, &context);
   std::erase(piece_kept, no_index);
   piece_kept.insert(piece_kept.end(), fresh_pieces.begin(), fresh_pieces.end());
   return piece_kept;

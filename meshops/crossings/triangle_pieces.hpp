@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/report.hpp"
 #include "meshops/soup.hpp"
 
@@ -26,7 +27,8 @@ struct TrianglePieces {
 /// kept, copied or interpolated. Vertices that no triangle uses go.
 ///
 /// @return of each triangle of the result: its piece
+/// @throws Cancelled; the soup is then half done
 /// Counts: `vertices_added`, `vertices_moved`, `vertices_removed`, `faces_added`, `faces_removed`, `touched_faces`: all new ones.
-std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report);
+std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report, const Context& context);
 
 }  // namespace tri

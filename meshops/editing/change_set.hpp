@@ -104,36 +104,49 @@ template <class Kernel, std::invocable<MeshView> Function>
 ChangeSet record(Kernel& mesh, const Function& function, Recording recording = Recording::undoable,
                  const PropertyPolicy& policy = PropertyPolicy::standard(), const Context* context = nullptr);
 
+/// The same with a context, the function's own, so that a cancel is heeded after the function, too:
+/// `record(mesh, [&](MeshView view) { return smooth(view, {}, context); }, context)`.
+template <class Mesh, std::invocable<MeshView> Function>
+ChangeSet record(Mesh&& mesh, const Function& function, const Context& context) {
+  if constexpr (requires { mesh.mesh; })
+    return record(mesh, function, Recording::undoable, &context);
+  else
+    return record(mesh, function, Recording::undoable, PropertyPolicy::standard(), &context);
+}
+
 /// Runs an operator and records what it changes: `record(mesh, fill_holes, {.max_edges = 50}, context)`.
 template <class Mesh, class Options>
 ChangeSet record(Mesh&& mesh, Report (*op)(MeshView, const Options&, Context&), const std::type_identity_t<Options>& options,
                  Context& context) {
-  const auto run = [&](MeshView view) { return op(view, options, context); };
-  if constexpr (requires { mesh.mesh; })
-    return record(mesh, run, Recording::undoable, &context);
-  else
-    return record(mesh, run, Recording::undoable, PropertyPolicy::standard(), &context);
+  return record(mesh, [&](MeshView view) { return op(view, options, context); }, context);
 }
 
 /// Runs a function that works on a mesh and takes it back: what it would report and touch. Costs the function's own time
 /// and memory for what it changes, twice over for what is undone; the mesh is changed in between, so nobody may read it
 /// meanwhile. Works for every operator, and for a whole pipeline.
+/// @param context  the function's own, so that a cancel is heeded after the function, too
 /// @return the change, already undone: `reports()` and `notes()` are what one is after, `redo` does it without computing
 ///   it again
 template <class Mesh, std::invocable<MeshView> Function>
-ChangeSet dry_run(Mesh&& mesh, const Function& function) {
-  ChangeSet change = record(mesh, function);
+ChangeSet dry_run(Mesh&& mesh, const Function& function, const Context& context) {
+  ChangeSet change = record(mesh, function, context);
   if constexpr (requires { mesh.mesh; })
     change.undo(mesh.mesh);
   else
     change.undo(mesh);
   return change;
 }
+/// The same, where nobody cancels.
+template <class Mesh, std::invocable<MeshView> Function>
+ChangeSet dry_run(Mesh&& mesh, const Function& function) {
+  const Context nobody_cancels;
+  return dry_run(mesh, function, nobody_cancels);
+}
 /// The same for an operator: `dry_run(mesh, fill_holes, {.max_edges = 50}, context)`.
 template <class Mesh, class Options>
 ChangeSet dry_run(Mesh&& mesh, Report (*op)(MeshView, const Options&, Context&),
                   const std::type_identity_t<Options>& options, Context& context) {
-  return dry_run(mesh, [&](MeshView view) { return op(view, options, context); });
+  return dry_run(mesh, [&](MeshView view) { return op(view, options, context); }, context);
 }
 
 namespace change_set_detail {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "meshops/context.hpp"
 #include "meshops/mesh_view.hpp"
 #include "meshops/report.hpp"
 #include "meshops/soup.hpp"
@@ -13,7 +14,8 @@ namespace tri {
 /// For operators that add and delete on the way what is not there in the end, and never collect.
 class MeshBefore {
  public:
-  explicit MeshBefore(MeshView mesh);
+  /// @param context  null: cannot be cancelled @throws Cancelled
+  explicit MeshBefore(MeshView mesh, const Context* context = nullptr);
 
   const std::vector<Vec3>& points() const { return points_; }  ///< one per vertex, deleted ones too
   /// Of the faces that were not deleted, in their order. Corner k is where half-edge k of the face ends, which begin
@@ -25,7 +27,7 @@ class MeshBefore {
 
   /// Fills the counts of vertices and faces, and what was touched: vertices that moved or are new, faces that have
   /// other corners or are new.
-  void compare(MeshView now, Report& report) const;
+  void compare(MeshView now, Report& report, const Context* context = nullptr) const;
 
  private:
   std::vector<Vec3> points_;

@@ -84,6 +84,19 @@ class RowType final : public PropertyType {
     Scalar* values = row(property, index);
     std::swap_ranges(values, values + size_, static_cast<Place&>(place).data_vector().data() + kept * size_);
   }
+  void set_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices,
+                const OpenMesh::BaseProperty& place) const override {
+    if (indices.empty()) return;
+    const Scalar* kept = static_cast<const Place&>(place).data();
+    Scalar* const all = row(property, 0);
+    for (const std::uint32_t i : indices) std::copy_n(kept, size_, all + i * size_), kept += size_;
+  }
+  void swap_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices, OpenMesh::BaseProperty& place) const override {
+    if (indices.empty()) return;
+    Scalar* kept = static_cast<Place&>(place).data_vector().data();
+    Scalar* const all = row(property, 0);
+    for (const std::uint32_t i : indices) std::swap_ranges(kept, kept + size_, all + i * size_), kept += size_;
+  }
 
  private:
   Scalar* row(OpenMesh::BaseProperty& property, std::size_t index) const { return numbers_(property) + index * size_; }

@@ -58,6 +58,15 @@ class PropertyType {
   /// Swaps an element's value with one that was kept.
   virtual void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place,
                     std::size_t kept) const = 0;
+  /// Sets many elements' values to those that were kept, in the order in which they were. A type need not have its own.
+  virtual void set_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices,
+                        const OpenMesh::BaseProperty& place) const {
+    for (std::size_t i = 0; i < indices.size(); ++i) set(property, indices[i], place, i);
+  }
+  /// Swaps many elements' values with those that were kept. A type need not have its own.
+  virtual void swap_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices, OpenMesh::BaseProperty& place) const {
+    for (std::size_t i = 0; i < indices.size(); ++i) swap(property, indices[i], place, i);
+  }
 };
 
 namespace property_values {
@@ -189,6 +198,17 @@ class PropertyTypeOf final : public PropertyType {
     T moved = std::move(value);
     value = std::move(other);
     other = std::move(moved);
+  }
+  // One call for all: of millions, calls would take longer than what they do.
+  /// See PropertyType.
+  void set_each(OpenMesh::BaseProperty& base, std::span<const std::uint32_t> indices, const OpenMesh::BaseProperty& place) const override {
+    Property& property = static_cast<Property&>(base);
+    const Property& kept = static_cast<const Property&>(place);
+    for (std::size_t i = 0; i < indices.size(); ++i) property[static_cast<int>(indices[i])] = kept[static_cast<int>(i)];
+  }
+  /// See PropertyType.
+  void swap_each(OpenMesh::BaseProperty& base, std::span<const std::uint32_t> indices, OpenMesh::BaseProperty& place) const override {
+    for (std::size_t i = 0; i < indices.size(); ++i) PropertyTypeOf::swap(base, indices[i], place, i);
   }
 
  private:

@@ -176,6 +176,19 @@ void DeltaSegment::for_each_links(const Each& each) {
   each(faces_, before_.faces, after_.faces);
 }
 
+/// Side by side if there is much to do.
+void DeltaSegment::run_for_touched(const std::vector<std::function<void()>>& tasks) const {
+  std::size_t most = std::max({vertices_.indices.size(), edges_.indices.size(), faces_.indices.size()});
+  for (const auto& columns : columns_)
+    for (const Column& c : columns)
+      if (c.kept) most = std::max(most, c.indices.size());
+  if (most > 10000) {
+    run_all(tasks, nullptr);
+  } else {
+    for (const auto& task : tasks) task();
+  }
+}
+
 /// Links and values of the touched elements that were there at the begin, for those that are kept.
 void DeltaSegment::exchange_touched() {
   std::vector<std::function<void()>> tasks;
@@ -185,21 +198,33 @@ void DeltaSegment::exchange_touched() {
         std::swap(record_at<Record>(mesh_, table.indices[i]), table.records[i]);
     });
   });
-  std::size_t most = 0;
   for (auto& columns : columns_)
-    for (Column& c : columns) {
-      if (!c.kept) continue;
-      most = std::max(most, c.indices.size());
-      tasks.push_back([this, &c] {
-        OpenMesh::BaseProperty& property = object(c);
-        for (std::size_t i = 0; i < c.indices.size(); ++i) c.type->swap(property, c.indices[i], *c.kept, i);
+    for (Column& c : columns)
+      if (c.kept) tasks.push_back([this, &c] { c.type->swap_each(object(c), c.indices, *c.kept); });
+  run_for_touched(tasks);
+}
+
+/// The same for good: what is kept is gone afterwards, since a cancel waits for this, and for its memory to be given back.
+void DeltaSegment::restore_touched() {
+  std::vector<std::function<void()>> tasks;
+  for_each_links([&]<class Record>(Links<Record>& table, std::size_t, std::size_t) {
+    if (table.indices.empty()) return;
+    tasks.push_back([this, &table] {
+      const Record* const records = table.records.data();
+      Record* const all = &record_at<Record>(mesh_, 0);
+      for (std::size_t i = 0; i < table.indices.size(); ++i) all[table.indices[i]] = records[i];
+      table = {};
+    });
+  });
+  for (auto& columns : columns_)
+    for (Column& c : columns)
+      if (c.kept) tasks.push_back([this, &c] {
+        c.type->set_each(object(c), c.indices, *c.kept);
+        c.kept.reset();
+        c.indices = {};
+        c.touched = {};
       });
-    }
-  if (std::max({most, vertices_.indices.size(), edges_.indices.size(), faces_.indices.size()}) > 10000) {
-    run_all(tasks, nullptr);
-  } else {
-    for (const auto& task : tasks) task();
-  }
+  run_for_touched(tasks);
 }
 
 /// Properties as a whole, for those that are kept.
@@ -277,7 +302,7 @@ void DeltaSegment::roll_back() {
     d.object->resize(before_.of(d.kind));
     property_slots(mesh_, d.kind)[static_cast<std::size_t>(d.slot)] = d.object.release();
   }
-  exchange_touched();
+  restore_touched();
 }
 
 void DeltaSegment::redo(Connectivity& mesh) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <typeindex>
@@ -105,6 +106,8 @@ class DeltaSegment final : public ChangeSegment {
   template <class Each>
   void for_each_links(const Each& each);
   void exchange_touched();
+  void restore_touched();
+  void run_for_touched(const std::vector<std::function<void()>>& tasks) const;
   void exchange_wholes();
   void take_tails();
   void put_tails();

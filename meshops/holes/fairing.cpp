@@ -1,29 +1,31 @@
 #include "meshops/holes/fairing.hpp"
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
-#include <unordered_map>
+
+#include "meshops/holes/sparse_cholesky.hpp"
+#include "meshops/pace.hpp"
+#include "meshops/search/number_map.hpp"
 
 namespace tri {
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-using Diagonal = Eigen::VectorXd;
-
 /// The moving vertices and rings of vertices around them, numbered ring by ring.
 class Region {
  public:
-  Region(MeshView view, std::vector<VertexHandle> moving, int rings) : view_(view), vertices_(std::move(moving)) {
-    for (std::size_t i = 0; i < vertices_.size(); ++i) number_[vertices_[i].idx()] = static_cast<int>(i);
+  Region(MeshView view, std::vector<VertexHandle> moving, int rings, Pace& pace)
+      : view_(view), vertices_(std::move(moving)), number_(vertices_.size()) {
+    for (std::size_t i = 0; i < vertices_.size(); ++i, pace())
+      number_.insert(static_cast<std::uint32_t>(vertices_[i].idx()), static_cast<std::uint32_t>(i));
     end_.push_back(static_cast<int>(vertices_.size()));
     for (int ring = 0, begin = 0; ring < rings; ++ring) {
       const int end = end_.back();
-      for (int i = begin; i < end; ++i)
+      for (int i = begin; i < end; ++i, pace())
         for (auto it = view.mesh.cvv_iter(vertices_[i]); it.is_valid(); ++it)
-          if (number_.try_emplace((*it).idx(), static_cast<int>(vertices_.size())).second) vertices_.push_back(*it);
+          if (number_.insert(static_cast<std::uint32_t>((*it).idx()), static_cast<std::uint32_t>(vertices_.size())).second)
+            vertices_.push_back(*it);
       begin = end;
       end_.push_back(static_cast<int>(vertices_.size()));
     }
@@ -33,14 +35,14 @@ class Region {
   int moving() const { return end_[0]; }
   int end_of_ring(int ring) const { return end_[ring]; }
   VertexHandle vertex(int i) const { return vertices_[i]; }
-  int number(VertexHandle v) const { return number_.at(v.idx()); }
+  int number(VertexHandle v) const { return static_cast<int>(number_.find(static_cast<std::uint32_t>(v.idx()))); }
   const Vec3& point(int i) const { return view_.point(vertices_[i]); }
 
  private:
   MeshView view_;
   std::vector<VertexHandle> vertices_;
   std::vector<int> end_;
-  std::unordered_map<int, int> number_;
+  NumberMap<std::uint32_t> number_;
 };
 
 class Weights {
@@ -87,92 +89,215 @@ class Weights {
   bool failed_ = false;
 };
 
-/// The Laplacian's rows of the first `rows` vertices of the region; empty rows at the mesh's boundary.
-Matrix laplacian(MeshView view, const Region& region, int rows, Weights& weights) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < rows; ++i) {
-    if (view.mesh.is_boundary(region.vertex(i))) continue;
-    double sum = 0;
-    for (auto it = view.mesh.cvoh_iter(region.vertex(i)); it.is_valid(); ++it) {
-      const double w = weights.of_edge(*it);
-      entries.emplace_back(i, region.number(view.mesh.to_vertex_handle(*it)), w);
-      sum += w;
+/// A sparse matrix by rows is kept as the columns of what it is turned over.
+using SparseRows = SparseColumns;
+using Column = std::vector<double>;
+using Points = SparseCholesky::Rows;
+
+/// Rows of a matrix that are collected entry by entry, in any order; those in one place are added up in that order.
+class RowCollector {
+ public:
+  void add(std::int32_t column, double value) {
+    if (const auto c = static_cast<std::size_t>(column); c >= place_.size()) place_.resize(c + 1, -1);
+    if (place_[column] < 0) {
+      place_[column] = static_cast<std::int32_t>(entries_.size());
+      entries_.push_back({column, value});
+    } else {
+      entries_[place_[column]].value += value;
     }
-    entries.emplace_back(i, i, -sum);
   }
-  Matrix result(rows, region.size());
-  result.setFromTriplets(entries.begin(), entries.end());
+  void end_row(SparseRows& rows) {
+    std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.column < b.column; });
+    for (const Entry& e : entries_) {
+      rows.add(e.column, e.value);
+      place_[e.column] = -1;
+    }
+    entries_.clear();
+    rows.end_column();
+  }
+
+ private:
+  struct Entry {
+    std::int32_t column;
+    double value;
+  };
+  std::vector<Entry> entries_;
+  std::vector<std::int32_t> place_;  ///< of a column's entry; below 0 if there is none
+};
+
+/// Calls `visit(row, value)` for the entries of a column.
+template <class Visit>
+void for_entries(const SparseColumns& a, std::int32_t column, const Visit& visit) {
+  for (std::int64_t p = a.first[column]; p < a.first[column + 1]; ++p) visit(a.row[p], a.value[p]);
+}
+
+/// The Laplacian's rows of the first `rows` vertices of the region; empty rows at the mesh's boundary.
+SparseRows laplacian(MeshView view, const Region& region, int rows, Weights& weights, Pace& pace) {
+  SparseRows result;
+  RowCollector row;
+  for (int i = 0; i < rows; ++i, pace()) {
+    if (!view.mesh.is_boundary(region.vertex(i))) {
+      double sum = 0;
+      for (auto it = view.mesh.cvoh_iter(region.vertex(i)); it.is_valid(); ++it) {
+        const double w = weights.of_edge(*it);
+        row.add(region.number(view.mesh.to_vertex_handle(*it)), w);
+        sum += w;
+      }
+      row.add(i, -sum);
+    }
+    row.end_row(result);
+  }
   return result;
 }
 
-Diagonal inverse_masses(MeshView view, const Region& region, int rows, Weights& weights) {
-  Diagonal result(rows);
-  for (int i = 0; i < rows; ++i)
-    result[i] = view.mesh.is_boundary(region.vertex(i)) ? 0 : 1 / weights.of_vertex(region.vertex(i));
+Column inverse_masses(MeshView view, const Region& region, int rows, Weights& weights, Pace& pace) {
+  Column result;
+  for (int i = 0; i < rows; ++i, pace())
+    result.push_back(view.mesh.is_boundary(region.vertex(i)) ? 0 : 1 / weights.of_vertex(region.vertex(i)));
   return result;
 }
 
 /// The energy of differences of a function on the first `count` vertices along edges at the moving ones or their
-/// neighbours.
-Matrix differences(MeshView view, const Region& region, int inner, int count, Weights& weights) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < inner; ++i) {
+/// neighbours. Symmetric.
+SparseColumns differences(MeshView view, const Region& region, int inner, int count, Weights& weights, Pace& pace) {
+  struct Entry {
+    int row, column;
+    double value;
+  };
+  std::vector<Entry> entries;
+  for (int i = 0; i < inner; ++i, pace()) {
     if (view.mesh.is_boundary(region.vertex(i))) continue;
     for (auto it = view.mesh.cvoh_iter(region.vertex(i)); it.is_valid(); ++it) {
       const VertexHandle to = view.mesh.to_vertex_handle(*it);
       const int j = region.number(to);
       if (view.mesh.is_boundary(to) || (j < inner && j < i)) continue;
       const double w = weights.of_edge(*it);
-      entries.emplace_back(i, i, w);
-      entries.emplace_back(j, j, w);
-      entries.emplace_back(i, j, -w);
-      entries.emplace_back(j, i, -w);
+      for (const Entry& e : {Entry{i, i, w}, Entry{j, j, w}, Entry{i, j, -w}, Entry{j, i, -w}}) entries.push_back(e);
     }
   }
-  Matrix result(count, count);
-  result.setFromTriplets(entries.begin(), entries.end());
+  // By rows, in the order in which they came.
+  std::vector<std::size_t> end(static_cast<std::size_t>(count) + 1, 0);
+  for (const Entry& e : entries) pace(), ++end[static_cast<std::size_t>(e.row) + 1];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<std::size_t> order(entries.size());
+  for (std::size_t k = 0; k < entries.size(); ++k) pace(), order[end[static_cast<std::size_t>(entries[k].row)]++] = k;
+  SparseColumns result;
+  RowCollector row;
+  std::size_t k = 0;
+  for (int i = 0; i < count; ++i, pace()) {
+    for (; k < end[static_cast<std::size_t>(i)]; ++k) row.add(entries[order[k]].column, entries[order[k]].value);
+    row.end_row(result);
+  }
   return result;
 }
 
+/// The first `columns` columns of a matrix that is given by rows.
+SparseColumns columns_of(const SparseRows& rows, std::int32_t columns, Pace& pace) {
+  SparseColumns result;
+  result.first.assign(static_cast<std::size_t>(columns) + 1, 0);
+  for (const std::int32_t c : rows.row) {
+    pace();
+    if (c < columns) ++result.first[c + 1];
+  }
+  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
+  result.row.resize(static_cast<std::size_t>(result.first.back()));
+  result.value.resize(result.row.size());
+  std::vector<std::int64_t> next(result.first.begin(), result.first.end() - 1);
+  for (std::int32_t r = 0; r < rows.columns(); ++r, pace())
+    for_entries(rows, r, [&](std::int32_t c, double value) {
+      if (c >= columns) return;
+      result.row[next[c]] = r;
+      result.value[next[c]++] = value;
+    });
+  return result;
+}
+
+/// a b, where a is given by its columns, and of which only rows below `rows` are wanted.
+SparseColumns product(const SparseColumns& a, const SparseColumns& b, std::int32_t rows, Pace& pace) {
+  SparseColumns result;
+  RowCollector column;
+  for (std::int32_t j = 0; j < b.columns(); ++j) {
+    for_entries(b, j, [&](std::int32_t m, double y) {
+      pace();
+      for_entries(a, m, [&](std::int32_t i, double x) {
+        if (i < rows) column.add(i, x * y);
+      });
+    });
+    column.end_row(result);
+  }
+  return result;
+}
+
+SparseColumns weighed_rows(SparseColumns a, const Column& weights) {
+  for (std::size_t p = 0; p < a.row.size(); ++p) a.value[p] *= weights[static_cast<std::size_t>(a.row[p])];
+  return a;
+}
+
+/// For each column of the matrix, or each row if it is given by rows: its product with points.
+Points products(const SparseColumns& a, const Points& points, Pace& pace) {
+  Points result;
+  for (std::int32_t j = 0; j < a.columns(); ++j, pace()) {
+    Vec3 sum(0, 0, 0);
+    for_entries(a, j, [&](std::int32_t i, double x) { sum += points[static_cast<std::size_t>(i)] * x; });
+    result.push_back(sum);
+  }
+  return result;
+}
+
+double norm_of(const Points& points) {
+  double sum = 0;
+  for (const Vec3& p : points) sum += p.sqrnorm();
+  return std::sqrt(sum);
+}
+
 /// Solves a x = b; nothing if `a` is not positive definite or the solution does not fulfil the system.
-std::optional<Rows> solve(const Matrix& a, const Rows& b) {
-  const Eigen::SimplicialLDLT<Matrix> factors(a);
-  if (factors.info() != Eigen::Success || !(factors.vectorD().minCoeff() > 0)) return std::nullopt;
-  Rows x = factors.solve(b);
-  Rows rest = b - a * x;
+std::optional<Points> solve(const SparseColumns& a, const Points& b, const Context& context) {
+  Pace pace(context);
+  const SparseCholesky factors(a, context);
+  if (!factors.positive_definite()) return std::nullopt;
+  const auto rest_of = [&](const Points& x) {
+    Points rest = b;
+    for (std::int32_t j = 0; j < a.columns(); ++j, pace())
+      for_entries(a, j, [&, xj = x[static_cast<std::size_t>(j)]](std::int32_t i, double value) {
+        rest[static_cast<std::size_t>(i)] -= xj * value;
+      });
+    return rest;
+  };
+  Points x = factors.solve(b, context);
   // One step of refinement takes back what rounding left in ill-conditioned systems.
-  x += factors.solve(rest);
-  rest = b - a * x;
-  if (!(rest.norm() <= 1e-6 * b.norm())) return std::nullopt;  // also if anything is not a number
+  const Points more = factors.solve(rest_of(x), context);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += more[i];
+  if (!(norm_of(rest_of(x)) <= 1e-6 * norm_of(b))) return std::nullopt;  // also if anything is not a number
   return x;
 }
 
 /// Moving vertices of parts that have a neighbour which stays.
-std::vector<VertexHandle> with_rim(MeshView view, std::span<const VertexHandle> moving) {
-  std::unordered_map<int, bool> seen;  // by moving vertex
-  for (const VertexHandle v : moving) seen[v.idx()] = false;
-  std::vector<VertexHandle> part;
-  std::unordered_map<int, bool> kept;
-  for (const VertexHandle start : moving) {
-    if (seen[start.idx()]) continue;
-    seen[start.idx()] = true;
+std::vector<VertexHandle> with_rim(MeshView view, std::span<const VertexHandle> moving, Pace& pace) {
+  NumberMap<std::uint32_t> place(moving.size());
+  for (std::size_t i = 0; i < moving.size(); ++i, pace())
+    place.insert(static_cast<std::uint32_t>(moving[i].idx()), static_cast<std::uint32_t>(i));
+  std::vector<char> seen(moving.size(), 0), kept(moving.size(), 0);
+  std::vector<std::uint32_t> part;
+  for (std::uint32_t start = 0; start < moving.size(); ++start) {
+    if (seen[start]) continue;
+    seen[start] = 1;
     part.assign(1, start);
     bool rim = false;
-    for (std::size_t i = 0; i < part.size(); ++i)
-      for (auto it = view.mesh.cvv_iter(part[i]); it.is_valid(); ++it) {
-        const auto found = seen.find((*it).idx());
-        if (found == seen.end()) {
+    for (std::size_t i = 0; i < part.size(); ++i, pace())
+      for (auto it = view.mesh.cvv_iter(moving[part[i]]); it.is_valid(); ++it) {
+        const std::uint32_t other = place.find(static_cast<std::uint32_t>((*it).idx()));
+        if (other == no_index) {
           rim = true;
-        } else if (!found->second) {
-          found->second = true;
-          part.push_back(*it);
+        } else if (!seen[other]) {
+          seen[other] = 1;
+          part.push_back(other);
         }
       }
-    for (const VertexHandle v : part) kept[v.idx()] = rim;
+    for (const std::uint32_t i : part) kept[i] = rim;
   }
   std::vector<VertexHandle> result;
-  for (const VertexHandle v : moving)
-    if (kept[v.idx()]) result.push_back(v);
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    if (kept[i]) result.push_back(moving[i]);
   return result;
 }
 
@@ -195,8 +320,9 @@ std::string_view to_string(FairingOutcome outcome) {
 FairedPoints faired_points(MeshView view, std::span<const VertexHandle> moving, Continuity continuity,
                            FairingWeights kind, const Context& context) {
   context.checkpoint();
+  Pace pace(context);
   FairedPoints result;
-  result.vertices = with_rim(view, moving);
+  result.vertices = with_rim(view, moving, pace);
   result.without_rim = moving.size() - result.vertices.size();
   if (result.vertices.empty()) {
     result.outcome = FairingOutcome::nothing_to_move;
@@ -204,10 +330,10 @@ FairedPoints faired_points(MeshView view, std::span<const VertexHandle> moving, 
   }
   // A row of the highest order reaches as many rings.
   const int order = continuity == Continuity::position ? 1 : continuity == Continuity::tangent ? 2 : 3;
-  const Region region(view, result.vertices, order);
+  const Region region(view, result.vertices, order, pace);
   const int n = region.moving(), rows = region.end_of_ring(order - 1);
   Weights weights(view, kind);
-  const Matrix l = laplacian(view, region, rows, weights);
+  SparseRows l = laplacian(view, region, rows, weights, pace);
 
   // Coordinates from the middle of what stays, in units of its extent.
   Vec3 middle(0, 0, 0);
@@ -215,39 +341,42 @@ FairedPoints faired_points(MeshView view, std::span<const VertexHandle> moving, 
   double extent = 0;
   for (int i = n; i < region.size(); ++i) extent = std::max(extent, (region.point(i) - middle).norm());
   if (!(extent > 0)) extent = 1;
-  Rows still = Rows::Zero(region.size(), 3);
-  for (int i = n; i < region.size(); ++i)
-    for (int k = 0; k < 3; ++k) still(i, k) = (region.point(i)[k] - middle[k]) / extent;
+  Points still(static_cast<std::size_t>(region.size()), Vec3(0, 0, 0));
+  for (int i = n; i < region.size(); ++i) still[static_cast<std::size_t>(i)] = (region.point(i) - middle) / extent;
 
-  Matrix system;
-  Rows right;
+  SparseColumns system;
+  Points right;
+  const SparseColumns inner = columns_of(l, n, pace);
   if (continuity == Continuity::position) {
-    system = -l.leftCols(n);
-    right = l * still;
+    system = inner;
+    for (double& x : system.value) x = -x;
+    right = products(l, still, pace);
   } else if (continuity == Continuity::tangent) {
-    const Diagonal inverse = inverse_masses(view, region, rows, weights);
-    const Matrix inner = l.leftCols(n), weighed = inverse.asDiagonal() * inner;
-    system = inner.transpose() * weighed;
-    right = -(weighed.transpose() * (l * still));
+    const SparseColumns weighed = weighed_rows(inner, inverse_masses(view, region, rows, weights, pace));
+    system = product(l, weighed, n, pace);
+    right = products(weighed, products(l, still, pace), pace);
   } else {
-    const Matrix y = inverse_masses(view, region, rows, weights).asDiagonal() * l;
-    const Matrix inner = y.leftCols(n), k = differences(view, region, region.end_of_ring(1), rows, weights);
-    const Matrix weighed = k * inner;
-    system = inner.transpose() * weighed;
-    right = -(weighed.transpose() * (y * still));
+    const Column inverse = inverse_masses(view, region, rows, weights, pace);
+    for (std::int32_t r = 0; r < rows; ++r, pace())
+      for (std::int64_t p = l.first[r]; p < l.first[r + 1]; ++p) l.value[p] *= inverse[static_cast<std::size_t>(r)];
+    const SparseColumns k = differences(view, region, region.end_of_ring(1), rows, weights, pace);
+    const SparseColumns weighed = product(k, weighed_rows(inner, inverse), rows, pace);
+    system = product(l, weighed, n, pace);
+    right = products(weighed, products(l, still, pace), pace);
   }
+  if (continuity != Continuity::position)
+    for (Vec3& p : right) p = -p;
   if (weights.failed()) {
     result.outcome = FairingOutcome::no_area;
     return result;
   }
   context.checkpoint();
-  const std::optional<Rows> x = solve(system, right);
-  context.checkpoint();
+  const std::optional<Points> x = solve(system, right, context);
   if (!x) {
     result.outcome = FairingOutcome::singular;
     return result;
   }
-  for (int i = 0; i < n; ++i) result.points.push_back(middle + extent * Vec3((*x)(i, 0), (*x)(i, 1), (*x)(i, 2)));
+  for (const Vec3& p : *x) result.points.push_back(middle + extent * p);
   return result;
 }
 

@@ -45,11 +45,11 @@ struct FairedPoints {
 /// Where vertices go when all others stay and the region's energy is least [Kobbelt et al. 1998; Botsch & Kobbelt 2004;
 /// Desbrun et al. 1999 for the weights and the areas M, a third of the triangles around a vertex].
 ///
-/// One linear system for each call, solved by sparse Cholesky decomposition (Eigen's SimplicialLDLT with approximate
-/// minimum degree). The result turns, moves and scales with the mesh. The
-/// mesh is not changed. At a vertex on the mesh's boundary curvature is not known and does not count.
+/// One linear system for each call, solved by sparse Cholesky decomposition (sparse_cholesky.hpp). The result turns, moves
+/// and scales with the mesh. The mesh is not changed.
+/// At a vertex on the mesh's boundary curvature is not known and does not count.
 /// @param moving  interior vertices (not on the boundary, not isolated), each once
-/// @throws Cancelled before and after the decomposition, which no cancel interrupts
+/// @throws Cancelled within some 80 ms
 FairedPoints faired_points(MeshView mesh, std::span<const VertexHandle> moving, Continuity continuity,
                            FairingWeights weights, const Context& context);
 

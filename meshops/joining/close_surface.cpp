@@ -6,6 +6,7 @@
 
 #include "meshops/holes/ring_filling.hpp"
 #include "meshops/joining/side_pairs.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/shape/triangle_normal.hpp"
 
 namespace tri {
@@ -21,19 +22,21 @@ struct Loop {
 };
 
 std::vector<Loop> find_loops(std::span<const Vec3> points, std::span<const Triangle> triangles, std::span<const std::int32_t> twin,
-                             std::size_t vertices, const auto& place) {
+                             std::size_t vertices, const auto& place, Pace& pace) {
   constexpr std::int32_t none = SidePairs::none;
   std::vector<std::int32_t> into(vertices, none);  // the open side that ends at a vertex: there is one at most
-  for (std::size_t s = 0; s < twin.size(); ++s)
+  for (std::size_t s = 0; s < twin.size(); ++s, pace())
     if (twin[s] == none) into[triangles[s / 3][(s % 3 + 1) % 3]] = static_cast<std::int32_t>(s);
   std::vector<Loop> loops;
   std::vector<char> seen(twin.size());
   for (std::size_t start = 0; start < twin.size(); ++start) {
+    pace();
     if (twin[start] != none || seen[start]) continue;
     Loop loop;
     loop.triangle = static_cast<std::uint32_t>(start / 3);
     for (auto s = static_cast<std::int32_t>(start); s != none && !seen[static_cast<std::size_t>(s)];
          s = into[triangles[s / 3][s % 3]]) {
+      pace();
       seen[static_cast<std::size_t>(s)] = 1;
       loop.vertices.push_back(triangles[s / 3][(s % 3 + 1) % 3]);
       const Triangle& t = triangles[s / 3];
@@ -45,9 +48,10 @@ std::vector<Loop> find_loops(std::span<const Vec3> points, std::span<const Trian
 }
 
 /// How often a closed surface winds round a point, by the solid angles of its triangles [van Oosterom & Strackee 1983].
-double winding(std::span<const Vec3> points, std::span<const Triangle> triangles, const Vec3& p) {
+double winding(std::span<const Vec3> points, std::span<const Triangle> triangles, const Vec3& p, Pace& pace) {
   double sum = 0;
   for (const Triangle& t : triangles) {
+    pace();
     const Vec3 a = points[t[0]] - p, b = points[t[1]] - p, c = points[t[2]] - p;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
     sum += std::atan2(a | (b % c), la * lb * lc + (a | b) * lc + (b | c) * la + (c | a) * lb);
@@ -57,13 +61,15 @@ double winding(std::span<const Vec3> points, std::span<const Triangle> triangles
 
 void turn_outward(std::span<const Vec3> points, std::vector<std::uint32_t>& component, std::size_t components,
                   ClosedSurface& surface, Context& context) {
+  Pace pace(context);
   std::vector<std::vector<std::uint32_t>> members(components);
-  for (std::uint32_t t = 0; t < component.size(); ++t) members[component[t]].push_back(t);
+  for (std::uint32_t t = 0; t < component.size(); ++t) pace(), members[component[t]].push_back(t);
   std::vector<double> volume(components, 0);
   std::vector<Vec3> low(components, Vec3(1, 1, 1) * 1e300), high(components, Vec3(-1, -1, -1) * 1e300);
   for (std::size_t i = 0; i < components; ++i) {
     const Vec3& o = points[surface.triangles[members[i][0]][0]];
     for (const std::uint32_t m : members[i]) {
+      pace();
       const Triangle& t = surface.triangles[m];
       volume[i] += (points[t[0]] - o) | ((points[t[1]] - o) % (points[t[2]] - o));
       for (const std::uint32_t v : t) low[i].minimize(points[v]), high[i].maximize(points[v]);
@@ -82,13 +88,14 @@ void turn_outward(std::span<const Vec3> points, std::vector<std::uint32_t>& comp
       for (int k = 0; k < 3; ++k) around &= low[j][k] < low[i][k] && high[j][k] > high[i][k];
       if (!around) continue;
       std::vector<Triangle> other;
-      for (const std::uint32_t m : members[j]) other.push_back(surface.triangles[m]);
-      cavity = std::abs(winding(points, other, p)) > 0.5;
+      for (const std::uint32_t m : members[j]) pace(), other.push_back(surface.triangles[m]);
+      cavity = std::abs(winding(points, other, p, pace)) > 0.5;
     }
     turn[i] = !cavity;
     surface.inside_out += !cavity;
   }
   for (std::size_t t = 0; t < component.size(); ++t) {
+    pace();
     if (turn[component[t]]) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
     surface.cavity.push_back(static_cast<char>(volume[component[t]] < 0 && !turn[component[t]]));
   }
@@ -97,9 +104,10 @@ void turn_outward(std::span<const Vec3> points, std::vector<std::uint32_t>& comp
 }  // namespace
 
 ClosedSurface close_surface(std::span<const Vec3> points, std::span<const Triangle> triangles, Context& context) {
+  Pace pace(context);
   ClosedSurface surface;
   surface.given = triangles.size();
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) surface.source.push_back(t);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) pace(), surface.source.push_back(t);
   std::vector<Triangle> work(triangles.begin(), triangles.end());
   SidePairs pairs = pair_sides(work, points.size(), context);
   const ManifoldRepairs repairs = make_manifold(work, points, pairs, context);
@@ -115,7 +123,7 @@ ClosedSurface close_surface(std::span<const Vec3> points, std::span<const Triang
     if (component[seed] != 0xffffffffu) continue;
     queue.assign(1, seed);
     component[seed] = components;
-    for (std::size_t i = 0; i < queue.size(); ++i)
+    for (std::size_t i = 0; i < queue.size(); ++i, pace())
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t other = pairs.twin[3 * queue[i] + k];
         if (other == SidePairs::none || component[other / 3] != 0xffffffffu) continue;
@@ -126,9 +134,11 @@ ClosedSurface close_surface(std::span<const Vec3> points, std::span<const Triang
   }
 
   std::vector<Loop> loops =
-      find_loops(points, work, pairs.twin, points.size() + repairs.copied_points.size(), place);
-  for (Triangle& t : work)
+      find_loops(points, work, pairs.twin, points.size() + repairs.copied_points.size(), place, pace);
+  for (Triangle& t : work) {
+    pace();
     for (std::uint32_t& v : t) v = place(v);
+  }
   surface.triangles = std::move(work);
   for (Loop& loop : loops) {
     context.checkpoint();

@@ -34,7 +34,7 @@ struct FairOptions {
 /// vertex", "isolated vertex", "no neighbour stays" (a whole component was chosen). Where cotangent weights fail, since
 /// a triangle has no area or the system is singular, uniform weights take their place, with a note; if those fail as
 /// well nothing moves, and the vertices are in `skipped` by the reason's name. Figure: "largest distance" (model
-/// units). On cancel the mesh is untouched; the decomposition (0.2 s for 20,000 vertices) is not interrupted.
+/// units). On cancel the mesh is untouched.
 /// @throws InvalidInput if `region` names no int property, or a handle of `vertices` is invalid or deleted; the mesh is
 /// untouched.
 Report fair(MeshView mesh, const FairOptions& options, Context& context);

@@ -10,6 +10,7 @@
 #include "meshops/crossings/arrangement/solid_from_soup.hpp"
 #include "meshops/crossings/part_touching.hpp"
 #include "meshops/crossings/solid_check.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/single_precision.hpp"
 #include "meshops/soup_edit.hpp"
 
@@ -36,8 +37,10 @@ void name_places(Report& report, const char* what, const char* how, const std::v
 }
 
 /// To the nearest numbers of single precision.
-void round_points(Soup& soup, Report& report) {
+void round_points(Soup& soup, Report& report, const Context& context) {
+  Pace pace(context);
   for (Vec3& p : soup.points) {
+    pace();
     const Vec3 rounded = rounded_to_floats(p);
     report.vertices_moved += rounded != p;
     p = rounded;
@@ -60,7 +63,8 @@ void turn_outward(Soup& soup, Report& report, Context& context) {
   report.touched_faces.erase(std::unique(report.touched_faces.begin(), report.touched_faces.end()), report.touched_faces.end());
 }
 
-void tell_what_is_left(const Soup& soup, const SurfaceContacts& left, bool touching_counts, Report& report) {
+void tell_what_is_left(const Soup& soup, const SurfaceContacts& left, bool touching_counts, Report& report,
+                       const Context& context) {
   if (!left.crossing.empty()) report.skipped["pairs that still cross"] = left.crossing.size();
   if (!left.flat.empty()) report.skipped["triangles without area"] = left.flat.size();
   std::vector<std::uint32_t> crossing;
@@ -68,7 +72,7 @@ void tell_what_is_left(const Soup& soup, const SurfaceContacts& left, bool touch
   const auto middle = [&](std::uint32_t t) { return middle_of(soup, t); };
   name_places(report, "triangle", "still crosses another near", crossing, middle);
   name_places(report, "triangle", "has no area, at", left.flat, middle);
-  const std::vector<std::uint32_t> touching = touching_vertices(soup);
+  const std::vector<std::uint32_t> touching = touching_vertices(soup, &context);
   if (touching.empty()) return;
   if (!touching_counts) {  // a file with indices keeps them apart
     report.figures["vertices that touch others"] = static_cast<double>(touching.size());
@@ -113,7 +117,7 @@ bool go_on(Attempt& a, const MakeSolidOptions& options, int finest, bool floats,
 
 void look(Attempt& a, Context& context) {
   a.left = surface_contacts(a.soup.points, a.soup.triangles, context);
-  a.touching = touching_vertices(a.soup).size();
+  a.touching = touching_vertices(a.soup, &context).size();
 }
 
 /// @param finest of the grid, see `GridFrame`
@@ -127,7 +131,7 @@ Attempt attempt(const Soup& soup, const MakeSolidOptions& options, int finest, b
   for (int pass = 1; pass < solid_passes && !a.left.none(); ++pass)
     if (!go_on(a, options, finest, floats, context)) break;
   if (floats) {
-    round_points(a.soup, a.report);
+    round_points(a.soup, a.report, context);
     turn_outward(a.soup, a.report, context);
   }
   if (floats || !a.left.none()) look(a, context);
@@ -144,7 +148,7 @@ Attempt attempt_with_floats(const Soup& soup, const Soup& as_floats, const MakeS
   for (int pass = 1; pass < solid_passes && !best.clean(); ++pass) {
     Attempt next = best;
     if (!go_on(next, options, GridFrame::floats, true, context)) break;
-    round_points(next.soup, next.report);
+    round_points(next.soup, next.report, context);
     turn_outward(next.soup, next.report, context);
     look(next, context);
     if (!next.better_than(best)) break;
@@ -183,12 +187,12 @@ Report make_solid_naming_fillings(Soup& soup, const MakeSolidOptions& options, s
                                   Context& context) {
   fillings.clear();
   validate(options);
-  check_soup(soup);
+  check_soup(soup, &context);
   context.checkpoint();
   Report report;
   report.operation = "make-solid";
   Soup as_floats = soup;
-  if (options.single_precision) round_points(as_floats, report);
+  if (options.single_precision) round_points(as_floats, report, context);
   if (is_clean_solid(as_floats, options.single_precision, context)) {
     if (!report.unchanged()) soup = std::move(as_floats);
     context.progress("make-solid", 1);
@@ -197,7 +201,7 @@ Report make_solid_naming_fillings(Soup& soup, const MakeSolidOptions& options, s
   Attempt best = options.single_precision ? attempt_with_floats(soup, as_floats, options, context)
                                           : attempt(soup, options, GridFrame::doubles, false, true, context);
   report = std::move(best.report);
-  tell_what_is_left(best.soup, best.left, options.single_precision, report);
+  tell_what_is_left(best.soup, best.left, options.single_precision, report, context);
   if (!report.unchanged()) {
     soup = std::move(best.soup);
     fillings = std::move(best.fillings);

@@ -47,7 +47,7 @@ class Remesher {
         options_(options),
         context_(context),
         stars_(view.mesh),
-        before_(view),
+        before_(view, &context),
         values_(view, before_) {}
 
   Report run() {
@@ -83,7 +83,7 @@ class Remesher {
  private:
   void prepare() {
     context_.checkpoint();
-    surface_.emplace(points_, triangles_);
+    surface_.emplace(points_, triangles_, &context_);
     lines_.emplace(
         view_,
         FeatureRules{
@@ -517,7 +517,7 @@ class Remesher {
       report_.notes.push_back(std::to_string(crossings_) + " pairs of triangles cross, " +
                               std::to_string(crossings_before_) + " did before");
     report_.figures["length"] = options_.adaptive && edges > 0 ? aim / edges : lengths_.longest();
-    before_.compare(view_, report_);
+    before_.compare(view_, report_, &context_);
     if (bounded() && !report_.unchanged()) report_distance(before_, view_, report_, context_);
   }
 

@@ -40,7 +40,7 @@ Report remove_components(Soup& soup, const RemoveComponentsOptions& options, Con
   MeshPlaces places;
   const MeshSummary summary = summarize(soup, &places, &context);
   context.checkpoint();
-  std::vector<SoupComponent> found = measure_components(soup, places.component_of_triangle, shells);
+  std::vector<SoupComponent> found = measure_components(soup, places.component_of_triangle, shells, &context);
   // Triangles that name a vertex twice are one more.
   std::vector<std::uint32_t>& component_of = places.component_of_triangle;
   if (summary.repeated_corners > 0) found.push_back({.triangles = summary.repeated_corners});
@@ -80,7 +80,7 @@ Report remove_components(Soup& soup, const RemoveComponentsOptions& options, Con
   keep_triangles(work, keep, &context);
   std::vector<std::uint32_t> number(soup.points.size());
   std::uint32_t next = 0;
-  for (std::size_t v = 0; v < number.size(); ++v) number[v] = used[v] || !had[v] ? next++ : dropped_point;
+  for (std::size_t v = 0; v < number.size(); ++v, pace()) number[v] = used[v] || !had[v] ? next++ : dropped_point;
   report.vertices_removed = number.size() - next;
   if (report.vertices_removed > 0) renumber_points(work, number, next, &context);
   soup = std::move(work);

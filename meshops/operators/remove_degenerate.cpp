@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -46,11 +47,25 @@ class Cleaner {
  public:
   Cleaner(const Soup& soup, const RemoveDegenerateOptions& options, Context& context)
       : work_(soup), options_(options), context_(context), alive_(soup.triangles.size(), 1),
-        changed_(soup.triangles.size(), 0), drift_(soup.triangles.size(), 0), at_(soup.points.size()) {
-    for (std::uint32_t i = 0; i < work_.triangles.size(); ++i)
-      for (const std::uint32_t v : work_.triangles[i])
-        if (at_[v].empty() || at_[v].back() != i) at_[v].push_back(i);
-    for (std::size_t v = 0; v < at_.size(); ++v) used_before_.push_back(!at_[v].empty());
+        changed_(soup.triangles.size(), 0), drift_(soup.triangles.size(), 0), first_(soup.points.size() + 1, 0) {
+    Pace pace(context);
+    const auto for_corners = [&](const auto& visit) {
+      for (std::uint32_t i = 0; i < work_.triangles.size(); ++i) {
+        pace();
+        const Triangle& t = work_.triangles[i];
+        visit(t[0], i);
+        if (t[1] != t[0]) visit(t[1], i);
+        if (t[2] != t[0] && t[2] != t[1]) visit(t[2], i);
+      }
+    };
+    for_corners([&](std::uint32_t v, std::uint32_t) { ++first_[v + 1]; });
+    for (std::size_t v = 0; v < soup.points.size(); ++v, pace()) {
+      used_before_.push_back(first_[v + 1] > 0);
+      first_[v + 1] += first_[v];
+    }
+    given_.resize(first_.back());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for_corners([&](std::uint32_t v, std::uint32_t i) { given_[next[v]++] = i; });
   }
 
   Report run(const std::vector<std::uint32_t>& found, Soup& result) {
@@ -113,9 +128,17 @@ class Cleaner {
   Measure measure(const Triangle& t) const { return measure(work_, t, options_); }
   const Vec3& point(std::uint32_t v) const { return work_.points[v]; }
 
+  /// Triangles at a vertex, and some that were there. Lists of their own only for vertices that were asked for: those of all
+  /// would take as long to be given back as to be made.
+  List& at(std::uint32_t v) {
+    const auto [found, added] = at_.try_emplace(v);
+    if (added) found->second.assign(given_.begin() + first_[v], given_.begin() + first_[v + 1]);
+    return found->second;
+  }
   const List& triangles_at(std::uint32_t v) {
-    std::erase_if(at_[v], [&](std::uint32_t t) { return !alive_[t] || !has(t, v); });
-    return at_[v];
+    List& list = at(v);
+    std::erase_if(list, [&](std::uint32_t t) { return !alive_[t] || !has(t, v); });
+    return list;
   }
   bool has(std::uint32_t t, std::uint32_t v) const { return std::ranges::find(work_.triangles[t], v) != work_.triangles[t].end(); }
   List triangles_at_edge(std::uint32_t a, std::uint32_t b) {
@@ -157,7 +180,7 @@ class Cleaner {
     alive_.push_back(1);
     changed_.push_back(0);
     drift_.push_back(drift);
-    for (const std::uint32_t v : triangle) at_[v].push_back(t);
+    for (const std::uint32_t v : triangle) at(v).push_back(t);
     note_changed(t);
   }
 
@@ -313,7 +336,7 @@ class Cleaner {
       carry_corner(*best, t);
       work_.triangles[t] = replaced(work_.triangles[t], best->goes, best->stays);
       drift_[t] = best->drift;
-      at_[best->stays].push_back(t);
+      at(best->stays).push_back(t);
     }
     for (const std::uint32_t t : best->vanish) kill(t);
     for (const std::uint32_t t : best->change) note_changed(t);
@@ -338,12 +361,15 @@ class Cleaner {
   }
 
   void finish(Soup& result) {
+    Pace pace(context_);
     for (std::uint32_t t = 0, number = 0; t < alive_.size(); ++t) {
+      pace();
       if (alive_[t] && changed_[t]) report_.touched_faces.push_back(number);
       number += alive_[t] != 0;
     }
     const std::size_t given = result.triangles.size();
     for (std::size_t t = 0; t < alive_.size(); ++t) {
+      pace();
       report_.faces_removed += t < given && !alive_[t];
       report_.faces_added += t >= given && alive_[t];
     }
@@ -352,11 +378,13 @@ class Cleaner {
     context_.checkpoint();
     keep_triangles(work_, alive_, &context_);
     std::vector<char> used(work_.points.size(), 0);
-    for (const Triangle& t : work_.triangles)
+    for (const Triangle& t : work_.triangles) {
+      pace();
       for (const std::uint32_t v : t) used[v] = 1;
+    }
     std::vector<std::uint32_t> number(used.size());
     std::uint32_t next = 0;
-    for (std::size_t v = 0; v < used.size(); ++v) number[v] = used[v] || !used_before_[v] ? next++ : dropped_point;
+    for (std::size_t v = 0; v < used.size(); ++v, pace()) number[v] = used[v] || !used_before_[v] ? next++ : dropped_point;
     report_.vertices_removed = used.size() - next;
     if (report_.vertices_removed > 0) renumber_points(work_, number, next, &context_);
     result = std::move(work_);
@@ -367,7 +395,8 @@ class Cleaner {
   Context& context_;
   std::vector<char> alive_, changed_, used_before_;
   std::vector<double> drift_;  // of triangles: how far from where the surface was at first, at most
-  std::vector<List> at_;  // triangles at each vertex, and some that were there
+  std::vector<std::uint32_t> first_, given_;  // triangles at each vertex at first
+  std::unordered_map<std::uint32_t, List> at_;
   List new_degenerate_;
   double caps_ = 0, needles_ = 0;
   Report report_;

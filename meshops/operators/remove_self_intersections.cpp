@@ -65,7 +65,7 @@ const OptionSchema& RemoveSelfIntersectionsOptions::schema() {
 
 Report remove_self_intersections(Soup& soup, const RemoveSelfIntersectionsOptions& options, Context& context) {
   validate(options);
-  check_soup(soup);
+  check_soup(soup, &context);
   context.checkpoint();
   const auto done = [&](double share) { context.progress("remove-self-intersections", share); };
   Report report;

@@ -5,14 +5,17 @@
 #include <limits>
 #include <numeric>
 
+#include "meshops/search/cancellable_sort.hpp"
+
 namespace tri {
 
 namespace {
 
 // Halves the items at the median of their centres along the longest side.
-std::uint32_t* split(const std::vector<Box>& boxes, std::uint32_t* begin, std::uint32_t* end) {
+std::uint32_t* split(const std::vector<Box>& boxes, std::uint32_t* begin, std::uint32_t* end, Pace& pace) {
   Vec3 low = boxes[*begin].low + boxes[*begin].high, high = low;
   for (const std::uint32_t* i = begin; i != end; ++i) {
+    pace();
     const Vec3 c = boxes[*i].low + boxes[*i].high;
     low.minimize(c);
     high.maximize(c);
@@ -20,10 +23,11 @@ std::uint32_t* split(const std::vector<Box>& boxes, std::uint32_t* begin, std::u
   const Vec3 size = high - low;
   const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
   std::uint32_t* middle = begin + (end - begin) / 2;
-  std::nth_element(begin, middle, end, [&](std::uint32_t a, std::uint32_t b) {
+  const auto before = [&](std::uint32_t a, std::uint32_t b) {
     const double x = boxes[a].low[axis] + boxes[a].high[axis], y = boxes[b].low[axis] + boxes[b].high[axis];
     return x < y || (x == y && a < b);
-  });
+  };
+  paced_nth_element(begin, middle, end, before, pace);
   return middle;
 }
 
@@ -36,7 +40,8 @@ float up(double x) {
 
 }  // namespace
 
-BoxTree::BoxTree(const std::vector<Box>& boxes) {
+BoxTree::BoxTree(const std::vector<Box>& boxes, const Context* context) {
+  Pace pace(context);
   if (boxes.empty()) return;
   Vec3 low = boxes[0].low, high = boxes[0].high;
   for (const Box& b : boxes) {
@@ -48,18 +53,18 @@ BoxTree::BoxTree(const std::vector<Box>& boxes) {
   std::vector<std::uint32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0u);
   nodes_.reserve(boxes.size() / 2 + 1);
-  build(boxes, order.data(), order.data() + order.size());
+  build(boxes, order.data(), order.data() + order.size(), pace);
 }
 
-std::int32_t BoxTree::build(const std::vector<Box>& boxes, std::uint32_t* begin, std::uint32_t* end) {
+std::int32_t BoxTree::build(const std::vector<Box>& boxes, std::uint32_t* begin, std::uint32_t* end, Pace& pace) {
   const auto index = static_cast<std::int32_t>(nodes_.size());
   nodes_.emplace_back();
   std::uint32_t* cuts[5] = {begin, begin, end, end, end};
   const std::ptrdiff_t n = end - begin;
   if (n > 4) {
-    cuts[2] = split(boxes, begin, end);
-    cuts[1] = split(boxes, begin, cuts[2]);
-    cuts[3] = split(boxes, cuts[2], end);
+    cuts[2] = split(boxes, begin, end, pace);
+    cuts[1] = split(boxes, begin, cuts[2], pace);
+    cuts[3] = split(boxes, cuts[2], end, pace);
   } else {
     for (int k = 0; k <= 4; ++k) cuts[k] = begin + std::min<std::ptrdiff_t>(k, n);
   }
@@ -75,6 +80,7 @@ std::int32_t BoxTree::build(const std::vector<Box>& boxes, std::uint32_t* begin,
     if (a == b) continue;
     Vec3 low = boxes[*a].low, high = boxes[*a].high;
     for (const std::uint32_t* i = a; i != b; ++i) {
+      pace();
       low.minimize(boxes[*i].low);
       high.maximize(boxes[*i].high);
     }
@@ -82,7 +88,7 @@ std::int32_t BoxTree::build(const std::vector<Box>& boxes, std::uint32_t* begin,
       node.low[c][k] = down(low[c] - center_[c]);
       node.high[c][k] = up(high[c] - center_[c]);
     }
-    node.child[k] = b - a == 1 ? ~static_cast<std::int32_t>(*a) : build(boxes, a, b);
+    node.child[k] = b - a == 1 ? ~static_cast<std::int32_t>(*a) : build(boxes, a, b, pace);
   }
   nodes_[index] = node;
   return index;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "meshops/pace.hpp"
 #include "meshops/vec.hpp"
 
 namespace tri {
@@ -21,7 +22,9 @@ class BoxTree {
  public:
   BoxTree() = default;
   /// @param boxes the box of each item; their index is what `search` hands over
-  explicit BoxTree(const std::vector<Box>& boxes);
+  /// @param context  null: cannot be cancelled
+  /// @throws Cancelled
+  explicit BoxTree(const std::vector<Box>& boxes, const Context* context = nullptr);
 
   /// Hands over every item whose box is nearer than `limit()`, near ones first, roughly.
   /// @param limit returns the distance within which items still matter; it may shrink from one call to the next
@@ -133,7 +136,7 @@ class BoxTree {
     std::int32_t child[4];  // a node, or the complement of an item
   };
 
-  std::int32_t build(const std::vector<Box>& boxes, std::uint32_t* begin, std::uint32_t* end);
+  std::int32_t build(const std::vector<Box>& boxes, std::uint32_t* begin, std::uint32_t* end, Pace& pace);
 
   std::vector<Node> nodes_;
   Vec3 center_{0, 0, 0};  // boxes are kept relative to it

@@ -2,10 +2,13 @@
 
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <functional>
 
 #include "meshops/context.hpp"
 #include "meshops/error.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 
@@ -16,6 +19,20 @@ template <class Iterator, class Less = std::less<>>
 void cancellable_sort(Iterator begin, Iterator end, const Context* context, const Less& less = {}) {
   tbb::parallel_sort(begin, end, [&](const auto& a, const auto& b) {
     if (context && context->cancelled()) throw Cancelled();
+    return less(a, b);
+  });
+}
+
+/// std::nth_element, which reaches checkpoints where there is much to do.
+/// @throws Cancelled; the elements are then in some order
+template <class Iterator, class Less>
+void paced_nth_element(Iterator begin, Iterator nth, Iterator end, const Less& less, Pace& pace) {
+  if (end - begin < std::ptrdiff_t{Pace::usual}) {
+    std::nth_element(begin, nth, end, less);
+    return;
+  }
+  std::nth_element(begin, nth, end, [&](const auto& a, const auto& b) {
+    pace();
     return less(a, b);
   });
 }

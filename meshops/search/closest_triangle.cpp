@@ -7,12 +7,14 @@
 
 namespace tri {
 
-ClosestTriangle::ClosestTriangle(std::span<const Vec3> points, std::span<const Triangle> triangles) {
+ClosestTriangle::ClosestTriangle(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context* context) {
+  Pace pace(context);
   if (triangles.empty()) throw InvalidInput("a surface without triangles has no closest point");
   std::vector<Box> boxes;
   boxes.reserve(triangles.size());
   corners_.reserve(triangles.size());
   for (const Triangle& t : triangles) {
+    pace();
     for (const std::uint32_t v : t)
       if (!std::isfinite(points[v].norm()))
         throw InvalidInput("vertex " + std::to_string(v) + " has a coordinate that is not finite");
@@ -24,7 +26,7 @@ ClosestTriangle::ClosestTriangle(std::span<const Vec3> points, std::span<const T
     }
     boxes.push_back(box);
   }
-  tree_ = BoxTree(boxes);
+  tree_ = BoxTree(boxes, context);
 }
 
 ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& p, std::uint32_t hint) const {

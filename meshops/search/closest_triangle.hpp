@@ -24,7 +24,8 @@ class ClosestTriangle {
   /// Copies what it needs: some 140 bytes a triangle. Degenerate triangles take part.
   /// @param triangles  at least one; every index is below points.size()
   /// @throws InvalidInput if there is no triangle or a used coordinate is not finite
-  ClosestTriangle(std::span<const Vec3> points, std::span<const Triangle> triangles);
+  /// @param context  null: cannot be cancelled @throws Cancelled
+  ClosestTriangle(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context* context = nullptr);
 
   /// @param p     finite
   /// @param hint  a triangle that may be near, say the last result for a point close by: makes the search faster

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "meshops/pace.hpp"
 #include "meshops/search/triangle_box.hpp"
 #include "meshops/vec.hpp"
 
@@ -33,7 +34,9 @@ class OverlapTree {
 
   /// @param boxes  one per item; those that are not listed may be empty
   /// @param items  indices of the boxes that take part
-  OverlapTree(std::vector<Box> boxes, std::vector<std::uint32_t> items);
+  /// @param context  null: cannot be cancelled
+  /// @throws Cancelled
+  OverlapTree(std::vector<Box> boxes, std::vector<std::uint32_t> items, const Context* context = nullptr);
 
   /// All items, in the order of the tree.
   const std::vector<std::uint32_t>& items() const { return order_; }
@@ -80,7 +83,7 @@ class OverlapTree {
     }
   }
 
-  std::uint32_t build(std::uint32_t first, std::uint32_t end);
+  std::uint32_t build(std::uint32_t first, std::uint32_t end, Pace& pace);
 
   std::vector<std::uint32_t> order_;
   std::vector<Box> boxes_;

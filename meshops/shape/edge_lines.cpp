@@ -18,10 +18,12 @@ EdgeLines::EdgeLines(MeshView view, const FeatureRules& rules, const Context& co
   const auto on_line = [&](EdgeHandle e) {
     return features.is_feature(e) || (!seams.empty() && seams[static_cast<std::size_t>(e.idx())]);
   };
+  Pace pace(context);
   lines_.assign(mesh.n_edges(), none);
   kinds_.assign(mesh.n_vertices(), Kind::fixed);
   DisjointSets sets(mesh.n_edges());
   for (std::size_t i = 0; i < mesh.n_vertices(); ++i) {
+    pace();
     const VertexHandle v(static_cast<int>(i));
     const HalfedgeHandle first = mesh.halfedge_handle(v);
     if (mesh.status(v).deleted() || !first.is_valid() || !std::isfinite(view.point(v).sqrnorm())) continue;
@@ -47,6 +49,7 @@ EdgeLines::EdgeLines(MeshView view, const FeatureRules& rules, const Context& co
   }
   std::vector<Box> boxes;
   for (std::size_t i = 0; i < mesh.n_edges(); ++i) {
+    pace();
     const EdgeHandle e(static_cast<int>(i));
     if (mesh.status(e).deleted() || !on_line(e)) continue;
     const HalfedgeHandle h = mesh.halfedge_handle(e, 0);
@@ -60,7 +63,7 @@ EdgeLines::EdgeLines(MeshView view, const FeatureRules& rules, const Context& co
     segments_.push_back(s);
     boxes.push_back(box);
   }
-  tree_ = BoxTree(boxes);
+  tree_ = BoxTree(boxes, &context);
 }
 
 Vec3 EdgeLines::closest(const Vec3& p, std::int32_t line) const {

@@ -12,6 +12,7 @@
 #include "libtri/triangulation/patches/boundary_index.hpp"
 #include "libtri/triangulation/patches/face_patch.hpp"
 #include "libtri/triangulation/patches/glue.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -34,14 +35,19 @@ class Assembler {
 
   void run() {
     sort_by_face();
+    context_.checkpoint();
     domains_.resize(model_.faces.size());
     tbb::parallel_for(std::size_t{0}, domains_.size(),
                       [&](std::size_t f) { domains_[f] = face_domain(model_.faces[f]); });
     prepare_edges();
+    context_.checkpoint();
     place_points();
+    context_.checkpoint();
     for (std::size_t e = 0; e < edges_.size(); ++e) build_chain(e);
     triangulate();
+    context_.checkpoint();
     assemble();
+    context_.checkpoint();
   }
 
  private:
@@ -98,7 +104,9 @@ class Assembler {
     tbb::parallel_for(std::size_t{0}, n_faces(), [&](std::size_t f) {
       indices_[f] = std::make_unique<BoundaryIndex>(domains_[f], reach_);
       inside_[f].reserve(start_[f + 1] - start_[f]);
+      Pace pace(context_, 4096);
       for (std::size_t k = start_[f]; k < start_[f + 1]; ++k) {
+        pace();
         const std::uint32_t i = by_face_[k];
         const Vec2 p = domains_[f].to_plane(feet_[i].uv);
         const auto place = indices_[f]->close(p);
@@ -307,7 +315,9 @@ class Assembler {
     for (const FaceDomain& domain : domains_) result_.uniform_faces.push_back(domain.uniform);
     for (std::size_t f = 0; f < n_faces(); ++f)
       if (patches_[f].triangles.empty()) result_.failed_faces.push_back(static_cast<int>(f));
+    context_.checkpoint();
     if (options_.keep_patches) result_.separate = glue_patches(model_, patches_, sizes, vertices, on_chain, false);
+    context_.checkpoint();
     result_.mesh = glue_patches(model_, patches_, sizes, std::move(vertices), on_chain, true);
   }
 

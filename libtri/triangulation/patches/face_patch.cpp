@@ -4,6 +4,7 @@
 
 #include "libtri/triangulation/delaunay.hpp"
 #include "libtri/triangulation/patches/constrained_delaunay.hpp"
+#include "libtri/quiet_context.hpp"
 
 namespace tri {
 namespace {
@@ -22,8 +23,7 @@ class Patcher {
 
   FacePatch run(const Context& context) {
     collect();
-    Context quiet;
-    quiet.threads = context.threads;
+    QuietContext quiet(context, context.threads);
     Delaunay delaunay = tri::delaunay(plane_, quiet);
     for (const auto& [duplicate, kept] : delaunay.duplicates) {
       // Chain nodes come first, so a duplicate that is one means that two nodes coincide.
@@ -35,10 +35,13 @@ class Patcher {
       }
     }
     if (!patch_.failed_edges.empty() || delaunay.triangles.empty()) return finish_failed();
+    context.checkpoint();
     ConstrainedDelaunay triangulation(plane_, std::move(delaunay));
     for (const Segment& s : segments_) insert(triangulation, s);
     if (!patch_.failed_edges.empty() || !patch_.outside.empty()) return finish_failed();
+    context.checkpoint();
     if (!flood(triangulation)) return finish_failed();
+    context.checkpoint();
     emit(triangulation);
     return std::move(patch_);
   }

@@ -7,6 +7,7 @@
 #include "libtri/triangulation/shell/delaunay_flips.hpp"
 #include "libtri/triangulation/shell/insertion.hpp"
 #include "libtri/triangulation/shell/vertex_removal.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 
 namespace tri {
@@ -49,8 +50,11 @@ ShellConnection connect_by_shell(const CadModel& model, const Tessellation& tess
   delaunay_flips(mesh, {}, context);
   context.progress("insert points", 0.9);
   std::vector<float> limits = edge_length_limits(model, tessellation, feet, mesh.vertices.size());
+  context.checkpoint();
   split_encroached_edges(mesh, limits, context);
+  context.checkpoint();
   measure_vertex_areas(mesh);
+  context.checkpoint();
   context.progress("insert points", 1);
   remove_model_vertices(mesh, context);
   context.progress("optimise", 0);
@@ -59,9 +63,11 @@ ShellConnection connect_by_shell(const CadModel& model, const Tessellation& tess
   context.progress("optimise", 1);
 
   // What is left of the model goes: whole parts without points, and stars that could not be closed.
+  context.checkpoint();
+  Pace pace(context);
   ShellConnection result;
   DisjointSets parts(mesh.vertices.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t, pace())
     if (mesh.alive(static_cast<std::int32_t>(t)))
       for (int k = 1; k < 3; ++k) parts.join(mesh.triangles[t][0], mesh.triangles[t][k]);
   std::vector<bool> has_point(mesh.vertices.size(), false);
@@ -77,6 +83,7 @@ ShellConnection connect_by_shell(const CadModel& model, const Tessellation& tess
   }
   std::vector<std::int32_t> renumbered(mesh.triangles.size(), -1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    pace();
     if (!mesh.alive(static_cast<std::int32_t>(t))) continue;
     Triangle points;
     bool measured = true;
@@ -90,7 +97,7 @@ ShellConnection connect_by_shell(const CadModel& model, const Tessellation& tess
     result.mesh.triangles.push_back(points);
   }
   result.mesh.neighbors.resize(result.mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t, pace())
     if (renumbered[t] >= 0)
       for (int k = 0; k < 3; ++k) {
         const std::int32_t n = mesh.neighbors[t][k];

@@ -5,6 +5,7 @@
 
 #include "libtri/triangulation/shell/triangle_cost.hpp"
 #include "libtri/triangulation/shell/triangle_geometry.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -68,7 +69,7 @@ std::size_t flip_all(EditMesh& mesh, std::vector<std::int32_t> seeds, const Cont
   }
   std::size_t flips = 0;
   for (std::size_t steps = 1; !seeds.empty(); ++steps) {
-    if (steps % 65536 == 0) context.checkpoint();
+    if (steps % 8192 == 0) context.checkpoint();
     const std::int32_t t = seeds.back();
     seeds.pop_back();
     if (!mesh.alive(t)) continue;
@@ -124,7 +125,9 @@ std::size_t split_encroached_edges(EditMesh& mesh, std::vector<float>& shortest,
     const Vec3& apex = mesh.vertices[q[k]].p;
     return ((mesh.vertices[q[(k + 1) % 3]].p - apex) | (mesh.vertices[q[(k + 2) % 3]].p - apex)) < 0;
   };
+  Pace pace(context, 256);
   while (!queue.empty()) {
+    pace();
     const std::int32_t t = queue.back();
     queue.pop_back();
     for (int k = 0; k < 3; ++k) {

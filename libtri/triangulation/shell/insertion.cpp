@@ -9,6 +9,7 @@
 
 #include "libtri/triangulation/delaunay.hpp"
 #include "libtri/triangulation/shell/triangle_geometry.hpp"
+#include "libtri/quiet_context.hpp"
 #include "meshops/error.hpp"
 #include "meshops/limits.hpp"
 
@@ -194,6 +195,7 @@ std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::
   std::vector<Place> places(feet.size());
   context.checkpoint();
   const auto locate_range = [&](const tbb::blocked_range<std::size_t>& range) {
+    context.checkpoint();
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const Foot& foot = feet[i];
       if (foot.face < 0) continue;
@@ -347,6 +349,7 @@ void split_double_edges(EditMesh& mesh) {
 
 EditMesh insert_feet(const CadModel& model, const Tessellation& mesh, std::span<const Foot> feet, Context& context) {
   const std::vector<Place> places = locate(model, mesh, feet, context);
+  context.checkpoint();
   std::vector<std::uint32_t> start(mesh.triangles.size() + 1, 0);
   for (const Place& p : places)
     if (p.triangle >= 0) ++start[p.triangle + 1];
@@ -355,6 +358,7 @@ EditMesh insert_feet(const CadModel& model, const Tessellation& mesh, std::span<
   for (std::uint32_t i = 0; i < places.size(); ++i)
     if (places[i].triangle >= 0) order[fill[places[i].triangle]++] = i;
 
+  context.checkpoint();
   EditMesh out;
   out.vertices.resize(mesh.points.size());
   for (std::size_t v = 0; v < mesh.points.size(); ++v) out.vertices[v].p = mesh.points[v];
@@ -377,8 +381,7 @@ EditMesh insert_feet(const CadModel& model, const Tessellation& mesh, std::span<
   tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
-      Context quiet;
-      quiet.threads = 1;
+      QuietContext quiet(context, 1);
       filler.fill(t, sides[t], quiet);
     });
   });
@@ -402,8 +405,11 @@ EditMesh insert_feet(const CadModel& model, const Tessellation& mesh, std::span<
       if ((normal_of(static_cast<std::int32_t>(t)) | normal_of(n)) < std::cos(sharp_angle))
         out.creases[inner] |= static_cast<std::uint8_t>(1u << corner);
     }
+  context.checkpoint();
   out.index_vertices();
+  context.checkpoint();
   split_double_edges(out);
+  context.checkpoint();
   return out;
 }
 

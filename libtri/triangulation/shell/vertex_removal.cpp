@@ -40,6 +40,7 @@ class Remover {
     for (std::uint32_t v = 0; v < mesh_.vertices.size(); ++v) {
       if (mesh_.vertices[v].point >= 0 || mesh_.vertex_triangle[v] < 0) continue;
       ++total;
+      if (total % 128 == 0) context_.checkpoint();
       queue.push({plan(v, largest_ring).cost, v, 0});
     }
     VertexRemoval result;
@@ -59,7 +60,7 @@ class Remover {
         mesh_.star(top.vertex, star, largest_fan);
         mesh_.replace_star(top.vertex, star, p.patch);
         ++result.removed;
-        if (result.removed % 1024 == 0) {
+        if (result.removed % 128 == 0) {
           context_.checkpoint();
           context_.progress("remove model vertices", static_cast<double>(result.removed) / static_cast<double>(total));
         }
@@ -79,6 +80,7 @@ class Remover {
       stuck.clear();
     }
     result.kept = total - result.removed;
+    if (total > 0) context_.progress("remove model vertices", 1);
     return result;
   }
 

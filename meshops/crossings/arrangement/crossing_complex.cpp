@@ -8,6 +8,9 @@
 #include "meshops/crossings/arrangement/face_triangulation.hpp"
 #include "meshops/crossings/arrangement/grid_hash.hpp"
 #include "meshops/crossings/arrangement/triangle_meeting.hpp"
+#include "meshops/pace.hpp"
+#include "meshops/search/cancellable_sort.hpp"
+#include "meshops/search/number_map.hpp"
 #include "meshops/search/overlap_tree.hpp"
 
 namespace tri {
@@ -20,6 +23,7 @@ constexpr std::size_t max_rounds = 20;
 constexpr std::size_t exact_rounds = 1;  ///< before what is near is taken to touch
 constexpr std::size_t reach_doublings = 7;
 constexpr int tidy_passes = 4;
+constexpr std::uint32_t long_steps = 1024;  ///< of some microseconds, between two looks for a cancel
 constexpr std::size_t pairs_to_grow = 500;  ///< more than twice as many as at first, and these: the cuts make it worse
 
 EdgeKey edge_key_of(std::uint32_t a, std::uint32_t b) {
@@ -29,10 +33,11 @@ EdgeKey edge_key_of(std::uint32_t a, std::uint32_t b) {
 class CrossingResolver {
  public:
   CrossingResolver(CrossingComplex& complex, double first_reach, double most_reach, Context& context)
-      : c_(complex), first_reach_(first_reach), most_reach_(most_reach), context_(context) {}
+      : c_(complex), first_reach_(first_reach), most_reach_(most_reach), context_(context), pace_(context),
+        number_(complex.points.size()) {}
 
   CrossingReport run() {
-    for (std::uint32_t i = 0; i < c_.points.size(); ++i) number_.emplace(c_.points[i], i);
+    for (std::uint32_t i = 0; i < c_.points.size(); ++i) pace_(), number_.insert(c_.points[i], i);
     fresh_.assign(c_.faces.size(), 1);
     unite();
     CrossingReport report;
@@ -99,17 +104,21 @@ class CrossingResolver {
     OverlapTree::Box all;
     std::vector<std::uint32_t> items;
     for (std::uint32_t f = 0; f < c_.faces.size(); ++f) {
+      pace_();
       const GridTriangle t = corners(c_.faces[f]);
       boxes[f] = box_of(c_.faces[f]);
       if (fresh_[f]) all.grow(boxes[f]);
       if (fresh_[f] && normal_of(t[0], t[1], t[2]) == GridPoint{}) flatten(f);
     }
-    for (std::uint32_t f = 0; f < c_.faces.size(); ++f)
+    for (std::uint32_t f = 0; f < c_.faces.size(); ++f) {
+      pace_();
       if (!flat_[f] && boxes[f].overlaps(all)) items.push_back(f);
-    const OverlapTree tree(boxes, std::move(items));
+    }
+    const OverlapTree tree(boxes, std::move(items), &context_);
     TriangleMeeting meeting;
     std::vector<std::uint32_t> others;
     for (std::uint32_t f = 0; f < c_.faces.size(); ++f) {
+      search_pace_();
       if (!fresh_[f] || flat_[f]) continue;
       others.clear();
       tree.overlapping(boxes[f], 0, [&](std::uint32_t g) {
@@ -118,10 +127,12 @@ class CrossingResolver {
       std::sort(others.begin(), others.end());
       const GridTriangle t = corners(c_.faces[f]);
       for (const std::uint32_t g : others) {
+        search_pace_();
         meet(t, c_.faces[f].v, corners(c_.faces[g]), c_.faces[g].v, meeting);
         if (meeting.cuts()) record(f, g, meeting);
       }
     }
+    context_.checkpoint();
     std::sort(involved_.begin(), involved_.end());
     involved_.erase(std::unique(involved_.begin(), involved_.end()), involved_.end());
     // Those that meet nothing need to be looked at again only beside what changes.
@@ -169,6 +180,7 @@ class CrossingResolver {
       if (target[v] != by_place) continue;
       target[v] = v;
       const auto visit = [&](std::uint32_t w) {
+        pace_();
         const GridPoint &p = c_.points[v], &q = c_.points[w];
         if (std::abs(static_cast<double>(q[0] - p[0])) > reach_) return false;
         double squared = 0;
@@ -180,9 +192,11 @@ class CrossingResolver {
       for (std::size_t i = place[v]; i > 0 && visit(by_x[i - 1]); --i) continue;
     }
     if (!any) return false;
-    for (std::size_t f = 0; f < c_.faces.size(); ++f)
+    for (std::size_t f = 0; f < c_.faces.size(); ++f) {
+      pace_();
       for (std::uint32_t& v : c_.faces[f].v)
         if (target[v] != by_place && target[v] != v) v = target[v], fresh_[f] = 1;
+    }
     unite();
     return true;
   }
@@ -202,10 +216,11 @@ class CrossingResolver {
     all.lo -= margin, all.hi += margin;
     std::vector<std::uint32_t> items;
     for (std::uint32_t f = 0; f < c_.faces.size(); ++f) {
+      pace_();
       boxes[f] = box_of(c_.faces[f]);
       if (boxes[f].overlaps(all)) items.push_back(f);
     }
-    const OverlapTree tree(boxes, std::move(items));
+    const OverlapTree tree(boxes, std::move(items), &context_);
     const std::vector<std::uint32_t> involved = involved_;
     for (const std::uint32_t f : involved) {
       OverlapTree::Box box = boxes[f];
@@ -215,7 +230,7 @@ class CrossingResolver {
         if (g != f && (!marked[g] || g > f)) others.push_back(g);
       });
       std::sort(others.begin(), others.end());
-      for (const std::uint32_t g : others) near(f, g), near(g, f);
+      for (const std::uint32_t g : others) search_pace_(), near(f, g), near(g, f);
     }
   }
 
@@ -309,9 +324,9 @@ class CrossingResolver {
   }
 
   std::uint32_t number(const GridPoint& p) {
-    const auto [it, added] = number_.emplace(p, static_cast<std::uint32_t>(c_.points.size()));
+    const auto [number, added] = number_.insert(p, static_cast<std::uint32_t>(c_.points.size()));
     if (added) c_.points.push_back(p);
-    return it->second;
+    return number;
   }
 
   std::uint32_t vertex_of(std::uint32_t p) {
@@ -340,7 +355,7 @@ class CrossingResolver {
                      [](const EdgePoint& a, const EdgePoint& b) { return a.edge < b.edge; });
     std::unordered_map<EdgeKey, std::vector<std::uint32_t>> on_edge;
     for (const EdgePoint& e : edge_points_) on_edge[e.edge].push_back(e.point);
-    for (auto& [edge, points] : on_edge) sort_edge(edge, points);
+    for (auto& [edge, points] : on_edge) search_pace_(), sort_edge(edge, points);
     const auto by_face = [](const auto& a, const auto& b) { return a.face < b.face; };
     std::stable_sort(face_points_.begin(), face_points_.end(), by_face);
     std::stable_sort(segments_.begin(), segments_.end(), by_face);
@@ -350,6 +365,7 @@ class CrossingResolver {
     std::size_t cuts = 0, next_point = 0, next_segment = 0;
     const std::size_t faces = c_.faces.size();
     for (std::uint32_t f = 0; f < faces; ++f) {
+      pace_();
       const std::size_t p0 = next_point, s0 = next_segment;
       while (next_point < face_points_.size() && face_points_[next_point].face == f) ++next_point;
       while (next_segment < segments_.size() && segments_[next_segment].face == f) ++next_segment;
@@ -366,6 +382,7 @@ class CrossingResolver {
         fresh.push_back(static_cast<char>(others_stay_fresh && fresh_[f]));
         continue;
       }
+      search_pace_();
       ++cuts;
       const Face face = c_.faces[f];
       const std::size_t before = kept.size();
@@ -451,16 +468,18 @@ class CrossingResolver {
     };
     std::vector<Entry> entries;
     for (std::uint32_t f = 0; f < c_.faces.size(); ++f) {
+      pace_();
       Triangle s = c_.faces[f].v;
       std::sort(s.begin(), s.end());
       if (s[0] == s[1] || s[1] == s[2]) continue;
       entries.push_back({s, f});
     }
-    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    cancellable_sort(entries.begin(), entries.end(), &context_, [](const Entry& a, const Entry& b) {
       return a.sorted != b.sorted ? a.sorted < b.sorted : a.face < b.face;
     });
     std::vector<char> drop(c_.faces.size(), 1);
     for (std::size_t i = 0; i < entries.size();) {
+      pace_();
       Face& first = c_.faces[entries[i].face];
       drop[entries[i].face] = 0;
       std::size_t j = i + 1;
@@ -474,6 +493,7 @@ class CrossingResolver {
     }
     std::size_t n = 0;
     for (std::size_t f = 0; f < c_.faces.size(); ++f) {
+      pace_();
       if (drop[f]) continue;
       c_.faces[n] = c_.faces[f];
       fresh_[n++] = fresh_[f];
@@ -491,7 +511,9 @@ class CrossingResolver {
   CrossingComplex& c_;
   const double first_reach_, most_reach_;
   Context& context_;
-  std::unordered_map<GridPoint, std::uint32_t, GridHash> number_;
+  Pace pace_;                                   ///< of short steps
+  Pace search_pace_{context_, long_steps};      ///< of searches and cuts
+  NumberMap<GridPoint, GridHash> number_;
   std::vector<char> fresh_;  ///< faces made in the round before
   std::vector<char> flat_;   ///< faces without area
   std::vector<ExactPoint> pool_;

@@ -10,6 +10,7 @@
 
 #include "meshops/crossings/arrangement/settle_moves.hpp"
 #include "meshops/crossings/arrangement/triangle_meeting.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/overlap_tree.hpp"
 
 namespace tri {
@@ -71,9 +72,9 @@ class Cutter {
   Cutter(PlacedBoundary& boundary, double height) : out_(boundary), height_(height) {}
 
   std::size_t run(Context& context) {
-    std::map<GridPoint, std::vector<std::uint32_t>> crowds = find_crowds();
+    std::map<GridPoint, std::vector<std::uint32_t>> crowds = find_crowds(context);
     if (crowds.empty()) return 0;
-    prepare(crowds);
+    prepare(crowds, context);
     // A fan that is cut makes room for others, also for those that touched it at the other end of an edge.
     for (bool any = true; any;) {
       any = false;
@@ -95,24 +96,27 @@ class Cutter {
   }
 
  private:
-  std::map<GridPoint, std::vector<std::uint32_t>> find_crowds() const {
+  std::map<GridPoint, std::vector<std::uint32_t>> find_crowds(const Context& context) const {
+    Pace pace(context);
     std::vector<char> used(out_.points.size(), 0);
-    for (const Triangle& t : out_.triangles)
+    for (const Triangle& t : out_.triangles) {
+      pace();
       for (const std::uint32_t v : t) used[v] = 1;
-    std::unordered_map<GridPoint, std::uint32_t, GridHash> count;
-    for (std::uint32_t v = 0; v < used.size(); ++v)
-      if (used[v]) ++count[out_.points[v]];
+    }
+    const std::vector<char> shared = share_places(out_.points, used, context);
     std::map<GridPoint, std::vector<std::uint32_t>> crowds;
     for (std::uint32_t v = 0; v < used.size(); ++v)
-      if (used[v] && count[out_.points[v]] > 1) crowds[out_.points[v]].push_back(v);
+      if (shared[v]) crowds[out_.points[v]].push_back(v);
     return crowds;
   }
 
-  void prepare(const std::map<GridPoint, std::vector<std::uint32_t>>& crowds) {
+  void prepare(const std::map<GridPoint, std::vector<std::uint32_t>>& crowds, const Context& context) {
+    Pace pace(context);
     for (const auto& [place, fans] : crowds)
       for (const std::uint32_t v : fans) at_.emplace(v, std::vector<std::uint32_t>{});
     std::vector<OverlapTree::Box> boxes;
     for (std::uint32_t t = 0; t < out_.triangles.size(); ++t) {
+      pace();
       boxes.push_back(box_of(corners(out_.triangles[t])));
       for (const std::uint32_t v : out_.triangles[t])
         if (const auto found = at_.find(v); found != at_.end()) found->second.push_back(t);
@@ -122,7 +126,7 @@ class Cutter {
     pieces_.resize(boxes.size());
     whole_.resize(boxes.size());
     std::iota(whole_.begin(), whole_.end(), 0u);
-    tree_.emplace(std::move(boxes), std::move(items));
+    tree_.emplace(std::move(boxes), std::move(items), &context);
   }
 
   GridTriangle corners(const Triangle& t) const { return {out_.points[t[0]], out_.points[t[1]], out_.points[t[2]]}; }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "meshops/search/cancellable_sort.hpp"
+
 namespace tri {
 namespace {
 
@@ -33,7 +35,8 @@ class AngularOrder {
 
 }  // namespace
 
-EdgeRings edge_rings(const CrossingComplex& complex) {
+EdgeRings edge_rings(const CrossingComplex& complex, const Context& context) {
+  Pace pace(context);
   struct Item {
     std::uint64_t edge;
     EdgeRings::Wing wing;
@@ -41,18 +44,20 @@ EdgeRings edge_rings(const CrossingComplex& complex) {
   std::vector<Item> items;
   items.reserve(3 * complex.faces.size());
   for (std::uint32_t f = 0; f < complex.faces.size(); ++f) {
+    pace();
     const Triangle& v = complex.faces[f].v;
     for (std::uint8_t k = 0; k < 3; ++k) {
       const std::uint32_t a = v[k], b = v[(k + 1) % 3];
       items.push_back({static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b), {f, k, a < b}});
     }
   }
-  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
+  cancellable_sort(items.begin(), items.end(), &context, [](const Item& a, const Item& b) {
     return a.edge != b.edge ? a.edge < b.edge : a.wing.face < b.wing.face;
   });
   EdgeRings rings;
   rings.wings.reserve(items.size());
   for (std::size_t i = 0; i < items.size();) {
+    pace();
     std::size_t j = i;
     while (j < items.size() && items[j].edge == items[i].edge) ++j;
     rings.first.push_back(static_cast<std::uint32_t>(i));

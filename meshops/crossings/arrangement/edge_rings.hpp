@@ -23,6 +23,7 @@ struct EdgeRings {
 
 /// Exact.
 /// @param complex no two faces that share an edge lie upon each other
-EdgeRings edge_rings(const CrossingComplex& complex);
+/// @throws Cancelled
+EdgeRings edge_rings(const CrossingComplex& complex, const Context& context);
 
 }  // namespace tri

@@ -3,6 +3,7 @@
 
 #include "meshops/crossings/arrangement/edge_rings.hpp"
 #include "meshops/crossings/arrangement/solid_boundary.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -27,11 +28,13 @@ class Sets {
 
 CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cavity, Context& context) {
   const std::size_t n = complex.faces.size();
-  const EdgeRings rings = edge_rings(complex);
+  Pace pace(context);
+  const EdgeRings rings = edge_rings(complex, context);
   context.checkpoint();
   // Side 2 f is the front of face f, 2 f + 1 its back; sides that look into the same wedge at an edge belong to one cell.
   Sets shells(2 * n), parts(n);
   for (std::size_t e = 0; e < rings.edges(); ++e) {
+    pace();
     const std::uint32_t begin = rings.first[e], end = rings.first[e + 1];
     for (std::uint32_t i = begin; i < end; ++i) {
       const EdgeRings::Wing &a = rings.wings[i], &b = rings.wings[i + 1 < end ? i + 1 : begin];
@@ -46,6 +49,7 @@ CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cav
   std::vector<double> volume(2 * n, 0), whole(n, 0);
   std::vector<char> may_be_cavity(n, 0);
   for (std::uint32_t f = 0; f < n; ++f) {
+    pace();
     const std::uint32_t part = labels.part[f] = parts.find(f);
     const Triangle &v = complex.faces[f].v, &o = complex.faces[part].v;
     const double v6 = static_cast<double>(
@@ -57,6 +61,7 @@ CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cav
   }
   std::vector<std::uint32_t> outer(n, 0xffffffffu);
   for (std::uint32_t s = 0; s < 2 * n; ++s) {
+    pace();
     if (shells.find(s) != s) continue;
     std::uint32_t& best = outer[labels.part[s / 2]];
     if (best == 0xffffffffu || volume[s] < volume[best]) best = s;
@@ -64,6 +69,7 @@ CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cav
   // Winding numbers from the outer shell inwards, over the faces between shells.
   std::vector<std::vector<std::uint32_t>> faces_of(2 * n);
   for (std::uint32_t f = 0; f < n; ++f) {
+    pace();
     const std::uint32_t front = shells.find(2 * f), back = shells.find(2 * f + 1);
     if (front == back) continue;
     faces_of[front].push_back(f);
@@ -79,6 +85,7 @@ CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cav
     for (std::size_t i = 0; i < queue.size(); ++i) {
       const std::uint32_t s = queue[i];
       for (const std::uint32_t g : faces_of[s]) {
+        pace();
         const std::uint32_t front = shells.find(2 * g), back = shells.find(2 * g + 1);
         const std::uint32_t other = front == s ? back : front;
         if (known[other]) continue;
@@ -89,6 +96,7 @@ CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cav
     }
   }
   for (std::uint32_t f = 0; f < n; ++f) {
+    pace();
     const bool hollow = may_be_cavity[labels.part[f]] && whole[labels.part[f]] < 0;
     for (std::uint32_t k = 0; k < 2; ++k)
       labels.inside[f][k] = static_cast<char>((winding[shells.find(2 * f + k)] != 0) != hollow);

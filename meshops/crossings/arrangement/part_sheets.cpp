@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "meshops/crossings/arrangement/grid_hash.hpp"
 #include "meshops/crossings/arrangement/settle_moves.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/shape/triangle_normal.hpp"
 
 namespace tri {
@@ -25,7 +25,9 @@ class Parter {
       : c_(complex), b_(boundary), height_(height), memory_(memory) {}
 
   PlacedBoundary run(Context& context) {
+    Pace pace(context);
     for (const auto& [point, place] : b_.vertices) {
+      pace();
       out_.points.push_back(place);
       out_.point.push_back(point);
     }
@@ -41,16 +43,17 @@ class Parter {
   /// Vertices in one place move apart, each to its own side of the sheets at it, or into its own solid.
   void move_copies(Context& context) {
     std::vector<char> used(out_.points.size(), 0);
-    for (const Triangle& t : out_.triangles)
+    Pace pace(context);
+    for (const Triangle& t : out_.triangles) {
+      pace();
       for (const std::uint32_t v : t) used[v] = 1;
-    std::unordered_map<GridPoint, std::uint32_t, GridHash> count;
-    for (std::size_t v = 0; v < used.size(); ++v)
-      if (used[v]) ++count[out_.points[v]];
+    }
+    const std::vector<char> shared = share_places(out_.points, used, context);
     std::vector<std::uint32_t> number(out_.points.size(), no_index);
     std::vector<std::vector<std::uint32_t>> around;
-    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
+    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t, pace())
       for (const std::uint32_t v : out_.triangles[t]) {
-        if (count[out_.points[v]] < 2) continue;
+        if (!shared[v]) continue;
         if (number[v] == no_index) number[v] = static_cast<std::uint32_t>(around.size()), around.emplace_back();
         around[number[v]].push_back(t);
       }
@@ -123,7 +126,8 @@ class Parter {
 
   /// Sheets that still lie upon each other, because no corner could move, get a vertex in their middle.
   void raise_middles(Context& context) {
-    const std::vector<std::uint32_t> place = numbers_by_place();
+    if (std::ranges::all_of(b_.sheet, [](signed char s) { return s == 0; })) return;
+    const std::vector<std::uint32_t> place = numbers_by_place(context);
     std::vector<std::pair<Triangle, std::uint32_t>> keys;
     for (std::uint32_t t = 0; t < out_.triangles.size(); ++t) {
       if (b_.sheet[t] == 0) continue;
@@ -173,8 +177,8 @@ class Parter {
   }
 
   /// The same number for vertices in the same place: they touch, which is no crossing.
-  std::vector<std::uint32_t> numbers_by_place() const {
-    const GridPlaces places(out_.points);
+  std::vector<std::uint32_t> numbers_by_place(const Context& context) const {
+    const GridPlaces places(out_.points, &context);
     std::vector<std::uint32_t> number(out_.points.size());
     for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = places.number(v);
     return number;

@@ -16,15 +16,16 @@ constexpr int last_sweeps = 2;
 
 class Settler {
  public:
-  Settler(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves, double least)
+  Settler(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves, double least,
+          const Context& context)
       : points_(points),
         triangles_(triangles),
         moves_(moves),
         least_(least),
         owner_(points.size(), no_index),
         around_(moves.size()),
-        places_((place_all(), points)),
-        tree_(boxes(), all_items()) {}
+        places_((place_all(), points), &context),
+        tree_(boxes(), all_items(), &context) {}
 
   void run(std::vector<char> changed, Context& context) {
     std::vector<double> wanted;
@@ -196,9 +197,21 @@ class Settler {
 
 }  // namespace
 
+std::vector<char> share_places(const std::vector<GridPoint>& points, const std::vector<char>& used, const Context& context) {
+  Pace pace(context);
+  NumberMap<GridPoint, GridHash> first(points.size());
+  std::vector<char> shared(points.size(), 0);
+  for (std::uint32_t v = 0; v < points.size(); ++v) {
+    pace();
+    if (!used[v]) continue;
+    if (const auto [same, added] = first.insert(points[v], v); !added) shared[same] = shared[v] = 1;
+  }
+  return shared;
+}
+
 void settle_moves(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves,
                   std::vector<char> changed, double least, Context& context) {
-  Settler(points, triangles, moves, least).run(std::move(changed), context);
+  Settler(points, triangles, moves, least, context).run(std::move(changed), context);
 }
 
 }  // namespace tri

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "meshops/context.hpp"
 #include "meshops/crossings/arrangement/grid_hash.hpp"
+#include "meshops/pace.hpp"
+#include "meshops/search/number_map.hpp"
 #include "meshops/soup.hpp"
 
 namespace tri {
@@ -17,9 +18,11 @@ inline Vec3 vector_of(const GridPoint& p) {
 /// Numbers for places, and how many vertices are in each.
 class GridPlaces {
  public:
-  explicit GridPlaces(const std::vector<GridPoint>& points) : points_(points), number_(points.size()) {
-    seen_.reserve(points.size());
-    for (std::uint32_t v = 0; v < points.size(); ++v) enter(v);
+  /// @param context  null: cannot be cancelled @throws Cancelled
+  explicit GridPlaces(const std::vector<GridPoint>& points, const Context* context = nullptr)
+      : points_(points), seen_(points.size()), number_(points.size()) {
+    Pace pace(context);
+    for (std::uint32_t v = 0; v < points.size(); ++v) pace(), enter(v);
   }
   std::uint32_t number(std::uint32_t v) const { return number_[v]; }
   bool crowded(std::uint32_t v) const { return count_[number_[v]] > 1; }
@@ -31,15 +34,18 @@ class GridPlaces {
 
  private:
   void enter(std::uint32_t v) {
-    number_[v] = seen_.emplace(points_[v], static_cast<std::uint32_t>(count_.size())).first->second;
+    number_[v] = seen_.insert(points_[v], static_cast<std::uint32_t>(count_.size())).first;
     if (number_[v] == count_.size()) count_.push_back(0);
     ++count_[number_[v]];
   }
 
   const std::vector<GridPoint>& points_;
-  std::unordered_map<GridPoint, std::uint32_t, GridHash> seen_;
+  NumberMap<GridPoint, GridHash> seen_;
   std::vector<std::uint32_t> number_, count_;
 };
+
+/// For each vertex whether it is used and another that is used lies in its place. @throws Cancelled
+std::vector<char> share_places(const std::vector<GridPoint>& points, const std::vector<char>& used, const Context& context);
 
 /// A vertex that is to leave its place.
 struct VertexMove {

@@ -6,6 +6,7 @@
 
 #include "meshops/crossings/arrangement/edge_rings.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 namespace {
@@ -19,13 +20,13 @@ struct Sheet {
 
 class Builder {
  public:
-  Builder(const CrossingComplex& complex, const CellLabels& labels, const SolidBoundaryOptions& options)
-      : c_(complex), labels_(labels), options_(options) {}
+  Builder(const CrossingComplex& complex, const CellLabels& labels, const SolidBoundaryOptions& options, const Context& context)
+      : c_(complex), labels_(labels), options_(options), pace_(context) {}
 
   SolidBoundary run(Context& context) {
     choose();
     context.checkpoint();
-    const EdgeRings rings = edge_rings(c_);
+    const EdgeRings rings = edge_rings(c_, context);
     join(rings);
     context.checkpoint();
     number();
@@ -39,6 +40,7 @@ class Builder {
     at_front_.assign(c_.faces.size(), no_index);
     at_back_.assign(c_.faces.size(), no_index);
     for (std::uint32_t f = 0; f < c_.faces.size(); ++f) {
+      pace_();
       const bool front = labels_.inside[f][0] != 0, back = labels_.inside[f][1] != 0;
       if (front != back) {
         at_front_[f] = at_back_[f] = add(f, front, 0);
@@ -109,6 +111,7 @@ class Builder {
     parent_.resize(3 * out_.triangles.size());
     std::iota(parent_.begin(), parent_.end(), 0);
     for (std::size_t e = 0; e < rings.edges(); ++e) {
+      pace_();
       const std::vector<Sheet> sheets = sheets_at(rings, e);
       if (sheets.empty()) continue;
       bool over_inside = true;
@@ -128,9 +131,10 @@ class Builder {
   /// One vertex for each fan; the first keeps the number of the point.
   void number() {
     const auto points = static_cast<std::uint32_t>(c_.points.size());
-    for (std::uint32_t p = 0; p < points; ++p) out_.vertices.push_back({p, c_.points[p]});
+    for (std::uint32_t p = 0; p < points; ++p) pace_(), out_.vertices.push_back({p, c_.points[p]});
     std::vector<std::uint32_t> first(points, no_index), name(parent_.size(), no_index);
     for (std::uint32_t corner = 0; corner < parent_.size(); ++corner) {
+      pace_();
       const std::uint32_t root = find(corner), point = out_.triangles[corner / 3][corner % 3];
       if (name[root] == no_index) {
         if (first[point] == no_index) {
@@ -142,7 +146,7 @@ class Builder {
         }
       }
     }
-    for (std::uint32_t corner = 0; corner < parent_.size(); ++corner)
+    for (std::uint32_t corner = 0; corner < parent_.size(); ++corner, pace_())
       out_.triangles[corner / 3][corner % 3] = name[find(corner)];
   }
 
@@ -168,7 +172,7 @@ class Builder {
     for (const auto& [triangle, sides] : middles) cut_at(triangle, sides);
     // Two sheets with a middle in common were cut along the same edge: once more, each for itself.
     std::map<std::array<std::uint32_t, 2>, std::vector<std::array<std::uint32_t, 2>>> sides;  // triangle, side
-    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t)
+    for (std::uint32_t t = 0; t < out_.triangles.size(); ++t, pace_())
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t a = out_.triangles[t][k], b = out_.triangles[t][(k + 1) % 3];
         if (std::max(a, b) >= first_middle) sides[{std::min(a, b), std::max(a, b)}].push_back({t, k});
@@ -246,6 +250,7 @@ class Builder {
   const CrossingComplex& c_;
   const CellLabels& labels_;
   const SolidBoundaryOptions& options_;
+  Pace pace_;
   SolidBoundary out_;
   std::vector<std::uint32_t> at_front_, at_back_;  ///< of faces: the triangle that is met from there
   std::vector<std::uint32_t> parent_;  ///< of corners: towards the root of their fan; later of triangles: what they were cut from
@@ -261,7 +266,7 @@ class Builder {
 
 SolidBoundary solid_boundary(const CrossingComplex& complex, const CellLabels& labels, const SolidBoundaryOptions& options,
                              Context& context) {
-  return Builder(complex, labels, options).run(context);
+  return Builder(complex, labels, options, context).run(context);
 }
 
 }  // namespace tri

@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
 #include <unordered_map>
 
 #include "meshops/checks/surface_reach.hpp"
 #include "meshops/crossings/arrangement/cut_tips.hpp"
 #include "meshops/crossings/arrangement/settle_moves.hpp"
 #include "meshops/crossings/triangle_pieces.hpp"
+#include "meshops/crossings/arrangement/grid_hash.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/random_stream.hpp"
 #include "meshops/search/closest_triangle.hpp"
 #include "meshops/search/disjoint_sets.hpp"
+#include "meshops/search/number_map.hpp"
 #include "meshops/soup_edit.hpp"
 
 namespace tri {
@@ -44,17 +45,28 @@ ReachOfTriangle::Verdict judge_reach(const std::array<Vec3, 3>& triangle, const 
   return reach_of(triangle, nearest, reach, most_pieces, hint).verdict;
 }
 
+struct TriangleHash {
+  std::size_t operator()(const Triangle& t) const {
+    std::uint64_t h = 0;
+    for (const std::uint32_t v : t) h = (h ^ v) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
+    return static_cast<std::size_t>(h);
+  }
+};
+
 /// Moves all points of each part, or each point, in a direction of its own, by up to `farthest` grid steps.
-void nudge(CrossingComplex& complex, double farthest, bool each) {
+void nudge(CrossingComplex& complex, double farthest, bool each, const Context& context) {
+  Pace pace(context);
   DisjointSets parts(complex.points.size());
   if (!each)
     for (const CrossingComplex::Face& f : complex.faces) parts.join(f.v[0], f.v[1]), parts.join(f.v[1], f.v[2]);
-  std::set<GridPoint> taken(complex.points.begin(), complex.points.end());
+  NumberMap<GridPoint, GridHash> taken(2 * complex.points.size());
+  for (const GridPoint& p : complex.points) pace(), taken.insert(p, 0);
   for (std::size_t i = 0; i < complex.points.size(); ++i) {
+    pace();
     RandomStream random(parts.find(i) + 1);
     GridPoint p = complex.points[i];
     for (std::int64_t& x : p) x += static_cast<std::int64_t>((2 * random.uniform() - 1) * farthest);
-    if (taken.insert(p).second) complex.points[i] = p;
+    if (taken.insert(p, 0).second) complex.points[i] = p;
   }
 }
 
@@ -70,25 +82,27 @@ SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, 
       fillings_(fillings),
       frame_(soup, finest) {}
 
-void SolidFromSoup::take_triangles(Report& report) {
-  std::map<GridPoint, std::uint32_t> numbers;
+void SolidFromSoup::take_triangles(Report& report, const Context& context) {
+  Pace pace(context);
+  NumberMap<GridPoint, GridHash> numbers(soup_.points.size());
   std::vector<std::uint32_t> number(soup_.points.size(), no_index);
   std::vector<Triangle> taken;
-  std::map<Triangle, std::uint32_t> seen;
+  NumberMap<Triangle, TriangleHash> seen(soup_.triangles.size());
   double flat = 0, duplicates = 0;
   const auto filling = [&](std::uint32_t t) { return std::binary_search(fillings_.begin(), fillings_.end(), t); };
   for (std::uint32_t i = 0; i < soup_.triangles.size(); ++i) {
+    pace();
     Triangle t;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = soup_.triangles[i][k];
       if (number[v] == no_index) {
-        const auto [it, added] =
-            numbers.emplace(frame_.to_grid(soup_.points[v]), static_cast<std::uint32_t>(complex_.points.size()));
+        const GridPoint place = frame_.to_grid(soup_.points[v]);
+        const auto [same, added] = numbers.insert(place, static_cast<std::uint32_t>(complex_.points.size()));
         if (added) {
-          complex_.points.push_back(it->first);
+          complex_.points.push_back(place);
           vertex_of_point_.push_back(v);
         }
-        number[v] = it->second;
+        number[v] = same;
       }
       t[k] = number[v];
     }
@@ -96,9 +110,9 @@ void SolidFromSoup::take_triangles(Report& report) {
     std::sort(sorted.begin(), sorted.end());
     if (repeats_vertex(t))
       ++flat;
-    else if (const auto [it, added] = seen.emplace(sorted, i); !added) {
+    else if (const auto [earlier, added] = seen.insert(sorted, i); !added) {
       ++duplicates;
-      if (!filling(i)) std::erase(fillings_, it->second);
+      if (!filling(i)) std::erase(fillings_, earlier);
     } else {
       taken.push_back(t);
       triangle_of_given_.push_back(i);
@@ -113,17 +127,18 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
   const auto done = [&](double share) {
     if (tell_progress) context.progress("make-solid", share);
   };
-  take_triangles(report);
+  take_triangles(report, context);
+  Pace pace(context);
   if (closed_.triangles.empty()) {
     report.figures.clear();  // nothing with an extent to make a solid of: it stays
     return surface_contacts(soup_.points, soup_.triangles, context);
   }
   std::vector<Vec3> places;
-  for (const GridPoint& p : complex_.points) places.push_back(frame_.to_space(p));
+  for (const GridPoint& p : complex_.points) pace(), places.push_back(frame_.to_space(p));
   const std::vector<Triangle> given = std::move(closed_.triangles);
   closed_ = close_surface(places, given, context);
   done(0.1);
-  for (std::uint32_t t = 0; t < closed_.triangles.size(); ++t)
+  for (std::uint32_t t = 0; t < closed_.triangles.size(); ++t, pace())
     complex_.faces.push_back(
         {closed_.triangles[t], t, 1,
          t < closed_.given && !std::binary_search(fillings_.begin(), fillings_.end(), triangle_of_given_[t])});
@@ -146,7 +161,7 @@ SurfaceContacts SolidFromSoup::run(Report& report, bool tell_progress, Context& 
   }
   SurfaceContacts contacts;
   const std::vector<Vec3> result = places_of(boundary, labels, contacts, context);
-  write(boundary, result, report);
+  write(boundary, result, report, context);
   return contacts;
 }
 
@@ -162,7 +177,7 @@ CrossingReport SolidFromSoup::cut_along_crossings(Report& report, Context& conte
   for (const bool each : {false, true}) {
     if (best.left == 0 || farthest < reach) break;
     CrossingComplex nudged = given;
-    nudge(nudged, farthest, each);
+    nudge(nudged, farthest, each, context);
     const CrossingReport now = resolve_crossings(nudged, reach, most_reach, context);
     if (now.left >= best.left) continue;
     best = now;
@@ -174,11 +189,13 @@ CrossingReport SolidFromSoup::cut_along_crossings(Report& report, Context& conte
 
 /// Walls inside the solid go where they are near to what stays; sheets outside only if the whole of one is.
 std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context& context) const {
+  Pace pace(context);
   const std::size_t n = complex_.faces.size();
   std::vector<char> keep(n, 0);
   std::vector<std::uint32_t> walls;
   std::vector<Triangle> stays;
   for (std::uint32_t f = 0; f < n; ++f) {
+    pace();
     if (labels.inside[f][0] != labels.inside[f][1])
       stays.push_back(complex_.faces[f].v);
     else if (complex_.faces[f].original)
@@ -190,14 +207,14 @@ std::vector<char> SolidFromSoup::walls_to_keep(const CellLabels& labels, Context
     return keep;
   }
   std::vector<Vec3> places;
-  for (const GridPoint& p : complex_.points) places.push_back(vector_of(p));
+  for (const GridPoint& p : complex_.points) pace(), places.push_back(vector_of(p));
   const double reach = wall_share * max_deviation_ * grid_diagonal(complex_.points);
-  const ClosestTriangle nearest(places, stays);
+  const ClosestTriangle nearest(places, stays, &context);
   std::vector<char> far(walls.size(), 0);
   DisjointSets sheets(walls.size());
   std::unordered_map<std::uint64_t, std::uint32_t> at_edge;
   for (std::uint32_t i = 0; i < walls.size(); ++i) {
-    if (i % 1024 == 0) context.checkpoint();
+    if (i % 128 == 0) context.checkpoint();
     const Triangle& v = complex_.faces[walls[i]].v;
     far[i] =
         judge_reach({places[v[0]], places[v[1]], places[v[2]]}, nearest, reach) != ReachOfTriangle::Verdict::within;
@@ -228,7 +245,7 @@ PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels
     PlacedBoundary placed = part_sheets(complex_, boundary, height, memory, context);
     std::erase_if(placed.touching, [&](std::uint32_t f) { return must_stay[f] != 0; });
     if (!placed.touching.empty() && i < tries) {
-      const std::size_t dropped = drop_where_near(placed.touching, boundary, options.keep_walls, must_stay);
+      const std::size_t dropped = drop_where_near(placed.touching, boundary, options.keep_walls, must_stay, context);
       contacts += dropped;
       if (dropped > 0) continue;
     }
@@ -243,12 +260,13 @@ PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels
 
 /// Drops those walls that are near to all the others that the boundary has; the others must stay.
 std::size_t SolidFromSoup::drop_where_near(const std::vector<std::uint32_t>& walls, const SolidBoundary& boundary,
-                                           std::vector<char>& keep_walls, std::vector<char>& must_stay) const {
+                                           std::vector<char>& keep_walls, std::vector<char>& must_stay, const Context& context) const {
+  Pace pace(context);
   for (const std::uint32_t f : walls) keep_walls[f] = 0;
   std::vector<Vec3> places;
-  for (const GridPoint& p : complex_.points) places.push_back(vector_of(p));
+  for (const GridPoint& p : complex_.points) pace(), places.push_back(vector_of(p));
   std::vector<Triangle> stays;
-  for (std::size_t t = 0; t < boundary.triangles.size(); ++t)
+  for (std::size_t t = 0; t < boundary.triangles.size(); ++t, pace())
     if (const std::uint32_t f = boundary.face[t]; boundary.sheet[t] == 0 || keep_walls[f])
       stays.push_back(complex_.faces[f].v);
   std::size_t dropped = walls.size();
@@ -260,9 +278,11 @@ std::size_t SolidFromSoup::drop_where_near(const std::vector<std::uint32_t>& wal
     std::ranges::for_each(walls, keep);
     return dropped;
   }
-  const ClosestTriangle nearest(places, stays);
+  const ClosestTriangle nearest(places, stays, &context);
   const double reach = wall_share * max_deviation_ * grid_diagonal(complex_.points);
+  Pace searches(context, 128);
   for (const std::uint32_t f : walls) {
+    searches();
     const Triangle& v = complex_.faces[f].v;
     if (judge_reach({places[v[0]], places[v[1]], places[v[2]]}, nearest, reach) == ReachOfTriangle::Verdict::beyond)
       keep(f);
@@ -273,8 +293,10 @@ std::size_t SolidFromSoup::drop_where_near(const std::vector<std::uint32_t>& wal
 /// Parts in which nothing was cut or parted keep their coordinates, unless that makes something cross.
 std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const CellLabels& labels,
                                            SurfaceContacts& contacts, Context& context) const {
+  Pace pace(context);
   std::vector<char> touched(complex_.faces.size(), 0);  // of parts
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    pace();
     const std::uint32_t face = boundary.face[t];
     Triangle now;
     for (std::size_t k = 0; k < 3; ++k) now[k] = boundary.point[boundary.triangles[t][k]];
@@ -284,9 +306,10 @@ std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const
     if (now != was) touched[labels.part[face]] = 1;
   }
   std::vector<Vec3> places;
-  for (const GridPoint& p : boundary.points) places.push_back(frame_.to_space(p));
+  for (const GridPoint& p : boundary.points) pace(), places.push_back(frame_.to_space(p));
   std::vector<Vec3> restored = places;
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    pace();
     if (touched[labels.part[boundary.face[t]]]) continue;
     for (const std::uint32_t v : boundary.triangles[t])
       if (boundary.point[v] < vertex_of_point_.size() && !boundary.moved[v])
@@ -298,18 +321,20 @@ std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const
   return places;
 }
 
-void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report) {
+void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report, const Context& context) {
+  Pace pace(context);
   TrianglePieces pieces;
   pieces.places = places;
   for (const std::uint32_t point : boundary.point)
     pieces.original.push_back(point < vertex_of_point_.size() ? vertex_of_point_[point] : no_index);
   for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+    pace();
     const std::uint32_t piece_of = complex_.faces[boundary.face[t]].source;
     Triangle within = closed_.triangles[piece_of];
     for (std::uint32_t& c : within) c = vertex_of_point_[c];
     pieces.triangles.push_back({boundary.triangles[t], within, triangle_of_given_[closed_.source[piece_of]]});
   }
-  const std::vector<std::uint32_t> piece = replace_by_pieces(soup_, pieces, report);
+  const std::vector<std::uint32_t> piece = replace_by_pieces(soup_, pieces, report, context);
   fillings_.clear();
   for (std::uint32_t t = 0; t < piece.size(); ++t)
     if (!complex_.faces[boundary.face[piece[t]]].original) fillings_.push_back(t);

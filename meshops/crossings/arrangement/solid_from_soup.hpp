@@ -32,13 +32,13 @@ class SolidFromSoup {
   SurfaceContacts run(Report& report, bool tell_progress, Context& context);
 
  private:
-  void take_triangles(Report& report);
+  void take_triangles(Report& report, const Context& context);
   CrossingReport cut_along_crossings(Report& report, Context& context);
   std::vector<char> walls_to_keep(const CellLabels& labels, Context& context) const;
   PlacedBoundary boundary_without_contacts(const CellLabels& labels, Report& report, Context& context);
   std::size_t drop_where_near(const std::vector<std::uint32_t>& walls, const SolidBoundary& boundary,
-                              std::vector<char>& keep_walls, std::vector<char>& must_stay) const;
-  void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report);
+                              std::vector<char>& keep_walls, std::vector<char>& must_stay, const Context& context) const;
+  void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report, const Context& context);
   std::vector<Vec3> places_of(const PlacedBoundary& boundary, const CellLabels& labels, SurfaceContacts& contacts,
                               Context& context) const;
 
