@@ -437,6 +437,32 @@ TEST_CASE("make-solid: for single precision thin solids that rounding turns insi
   for (const auto& [first, six_times] : volumes) CHECK(six_times > 0);
 }
 
+TEST_CASE("make-solid: triangles nearly in one plane, which rounding makes cross again, are made a solid more than once") {
+  std::mt19937 random(1);
+  const auto real = [&] { return 2.0 * static_cast<double>(random() % 1000000) / 1000000 - 1; };
+  Context context;
+  double most_passes = 0;
+  for (int i = 0; i < 3; ++i) {
+    CAPTURE(i);
+    Soup soup;
+    for (std::uint32_t t = 0; t < 20; ++t) {
+      for (int k = 0; k < 3; ++k) {
+        const double x = real(), y = real(), z = real();
+        soup.points.emplace_back(x, y, 1e-7 * z);
+      }
+      soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    const Soup before = soup;
+    const Report report = make_solid(soup, {}, context);
+    if (report.figures.count("passes")) most_passes = std::max(most_passes, report.figures.at("passes"));
+    CHECK(report.skipped.empty());
+    CHECK(closed_manifold(soup));
+    CHECK(contacts(soup) == 0);
+    CHECK(share_kept(before, soup) == 1);
+  }
+  CHECK(most_passes > 1);
+}
+
 TEST_CASE("make-solid: lids that lie nearly in one plane and overlap come to an end") {
   Soup soup = tube(48, Vec3(0, 0, 0));
   put_beside(soup, tube(37, Vec3(0.4, 0.3, 0)));
