@@ -106,9 +106,10 @@ void flip_by(benchmark::State& state, FlipRule rule, const char* check) {
   });
 }
 
-void subdivide_by(benchmark::State& state, SubdivisionScheme scheme) {
+void subdivide_by(benchmark::State& state, SubdivisionScheme scheme,
+                  SubdivisionGuard guard = SubdivisionGuard::folds) {
   ours(state, [&](Mesh& mesh, Context& context) {
-    subdivide(view_of(mesh), {.scheme = scheme, .feature_angle = std::numbers::pi}, context);
+    subdivide(view_of(mesh), {.scheme = scheme, .guard = guard, .feature_angle = std::numbers::pi}, context);
     return static_cast<double>(mesh.n_faces());
   });
 }
@@ -192,6 +193,16 @@ TRI_PEER_SIZES(cgal_delaunay_flips);
 TRI_SIZES(flip_by, smooth_shape, FlipRule::smooth_shape, "sharp edges after");
 TRI_SIZES(flip_by, curvature, FlipRule::curvature, "total absolute mean curvature after");
 BENCHMARK_CAPTURE(subdivide_by, loop, SubdivisionScheme::loop)
+    ->Arg(25'000)
+    ->Arg(250'000)
+    ->Arg(500'000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(subdivide_by, loop_unguarded, SubdivisionScheme::loop, SubdivisionGuard::none)
+    ->Arg(25'000)
+    ->Arg(250'000)
+    ->Arg(500'000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(subdivide_by, loop_crossings, SubdivisionScheme::loop, SubdivisionGuard::crossings)
     ->Arg(25'000)
     ->Arg(250'000)
     ->Arg(500'000)

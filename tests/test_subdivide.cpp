@@ -308,7 +308,7 @@ TEST_CASE("subdivide: two triangles back to back, and points that are not finite
 }
 
 TEST_CASE("subdivide: nothing comes to cross or is turned over, and what stays for that is counted") {
-  const SubdivideOptions all_smooth{.feature_angle = pi, .corner_angle = pi};
+  const SubdivideOptions all_smooth{.guard = SubdivisionGuard::crossings, .feature_angle = pi, .corner_angle = pi};
   const auto none_cross = [](Mesh& mesh) {
     const Soup out = to_soup(view_of(mesh));
     return crossing_pairs(out.points, out.triangles, Context()).empty();
@@ -356,10 +356,50 @@ TEST_CASE("subdivide: nothing comes to cross or is turned over, and what stays f
   }
 }
 
+TEST_CASE("subdivide: each guard keeps back what it is for") {
+  // Needles beside large triangles, in a plane: pieces fold over, and then cross as well.
+  const auto run = [](SubdivisionGuard guard) {
+    PatchShape uneven;
+    uneven.nu = uneven.nv = 6;
+    uneven.point = [](int i, int j) { return Vec3(i < 3 ? 0.02 * i : i - 2.9, j < 3 ? j : 2.9 + 0.01 * j, 0); };
+    Mesh mesh = uneven.mesh();
+    const SubdivideOptions options{.scheme = SubdivisionScheme::butterfly, .guard = guard, .levels = 2};
+    const bool kept = !run_subdivide(mesh, options).skipped.empty();
+    int turned = 0;
+    for (const FaceHandle f : mesh.faces()) turned += mesh.calc_face_normal(f)[2] < 0;
+    return std::pair(kept, turned);
+  };
+  CHECK(run(SubdivisionGuard::folds) == std::pair(true, 0));
+  CHECK(run(SubdivisionGuard::crossings) == std::pair(true, 0));
+  const auto [kept, turned] = run(SubdivisionGuard::none);
+  CHECK_FALSE(kept);
+  CHECK(turned > 0);
+  // A strip lies in a valley; the floor is rounded off upwards through it, but for the corners at its ends.
+  const auto sheets = [](SubdivisionGuard guard) {
+    std::vector<Vec3> points{{-1e-3, -1.99, 0.05}, {1e-3, -1.99, 0.05}, {1e-3, 1.99, 0.05}, {-1e-3, 1.99, 0.05}};
+    std::vector<std::array<int, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+    for (const double y : {-2.0, 0.0, 2.0})
+      for (const double x : {-2.0, 0.0, 2.0}) points.push_back(Vec3(x, y, x == 0 ? -0.01 : 2));
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 2; ++i) {
+        const int a = 4 + 3 * j + i;
+        triangles.push_back({a, a + 1, a + 4});
+        triangles.push_back({a, a + 4, a + 3});
+      }
+        Mesh mesh = make_mesh(points, triangles);
+    const Report report = run_subdivide(mesh, {.guard = guard, .feature_angle = pi});
+    const Soup out = to_soup(view_of(mesh));
+    return std::pair(report.skipped.empty(), crossing_pairs(out.points, out.triangles, Context()).empty());
+  };
+  CHECK(sheets(SubdivisionGuard::crossings) == std::pair(false, true));
+  CHECK_FALSE(sheets(SubdivisionGuard::folds).second);
+}
+
 TEST_CASE("subdivide: on a smooth mesh nothing stays back") {
   for (const SubdivisionScheme scheme : schemes) {
     Mesh mesh = tube(12, 6, 2, 0, 6).mesh();
-    CHECK(run_subdivide(mesh, {.scheme = scheme, .levels = 2}).skipped.empty());
+    const SubdivideOptions options{.scheme = scheme, .guard = SubdivisionGuard::crossings, .levels = 2};
+    CHECK(run_subdivide(mesh, options).skipped.empty());
   }
 }
 

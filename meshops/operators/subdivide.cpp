@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "meshops/crossings/crossing_guard.hpp"
-#include "meshops/editing/mesh_before.hpp"
 #include "meshops/editing/mesh_edit.hpp"
 #include "meshops/editing/vertex_rows.hpp"
 #include "meshops/error.hpp"
@@ -206,7 +206,7 @@ class Subdivider {
   void place_points() {
     context_.checkpoint();
     vertex_points_.insert(vertex_points_.end(), new_points_.begin(), new_points_.end());
-    if (options_.scheme != SubdivisionScheme::midpoint) keep_back();
+    if (options_.scheme != SubdivisionScheme::midpoint && options_.guard != SubdivisionGuard::none) keep_back();
     for (std::size_t i = 0; i < vertex_points_.size(); ++i) {
       const VertexHandle v(static_cast<int>(i));
       if (!is_finite(vertex_points_[i]) || view_.point(v) == vertex_points_[i]) continue;
@@ -215,49 +215,76 @@ class Subdivider {
     }
   }
 
-  /// The pieces lie on the triangles of the level before now. Vertices of pieces that would be turned over or cross others
-  /// keep their places, until there are none.
+  /// The pieces lie on the triangles of the level before now. Vertices of pieces that would be turned over, or cross
+  /// others where these are looked for, keep their places, until there are none.
   void keep_back() {
-    const MeshBefore flat(view_);
-    const auto moves = [&](std::uint32_t v) {
-      return is_finite(vertex_points_[v]) && vertex_points_[v] != flat.points()[v];
-    };
     std::vector<char> kept(vertex_points_.size(), 0);
     const auto keep = [&](const Triangle& t) {
       bool any = false;
       for (const std::uint32_t v : t) {
-        if (!moves(v)) continue;
-        vertex_points_[v] = flat.points()[v];
+        const Vec3& flat = view_.point(VertexHandle(static_cast<int>(v)));
+        if (!is_finite(vertex_points_[v]) || vertex_points_[v] == flat) continue;
+        vertex_points_[v] = flat;
         kept[v] = 1;
         any = true;
       }
       return any;
     };
-    const std::size_t n = flat.triangles().size();
-    std::vector<char> turned(n);
-    for (bool any = true; any;) {
-      any = false;
-      for_each_block(context_, "", n, subdivide_block, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-          const auto [a, b, c] = flat.triangles()[i];
-          const auto normal = [&](const std::vector<Vec3>& p) { return (p[b] - p[a]) % (p[c] - p[a]); };
-          turned[i] = (normal(flat.points()) | normal(vertex_points_)) < 0;
-        }
-      });
-      for (std::size_t i = 0; i < n; ++i)
-        if (turned[i]) any = keep(flat.triangles()[i]) || any;
-      if (any) continue;
-      std::vector<Triangle> finite;
-      for (const Triangle& t : flat.triangles())
-        if (is_finite(vertex_points_[t[0]]) && is_finite(vertex_points_[t[1]]) && is_finite(vertex_points_[t[2]]))
-          finite.push_back(t);
-      for (const auto& pair : crossing_pairs(vertex_points_, finite, context_))
-        for (const std::uint32_t t : pair) any = keep(finite[t]) || any;
-    }
+    do keep_back_folds(keep);
+    while (options_.guard == SubdivisionGuard::crossings && keep_back_crossings(keep));
     for (std::size_t i = 0; i < kept.size(); ++i) {
       if (!kept[i]) continue;
       if (kept_back_++ == 0) first_kept_ = vertex_points_[i];
     }
+  }
+
+  template <class Keep>
+  void keep_back_folds(const Keep& keep) {
+    const std::size_t n = mesh_.n_faces();
+    std::vector<std::vector<Triangle>> turned((n + subdivide_block - 1) / subdivide_block);  // few, if any
+    for (bool any = true; any;) {
+      for_each_block(context_, "", n, subdivide_block, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        turned[block].clear();
+        for (std::size_t i = begin; i < end; ++i) {
+          const FaceHandle f(static_cast<int>(i));
+          if (mesh_.status(f).deleted()) continue;
+          const Triangle t = corners_of(f);
+          std::array<Vec3, 3> flat;
+          for (std::size_t k = 0; k < 3; ++k) flat[k] = view_.point(VertexHandle(static_cast<int>(t[k])));
+          const Vec3 &a = vertex_points_[t[0]], &b = vertex_points_[t[1]], &c = vertex_points_[t[2]];
+          if ((((flat[1] - flat[0]) % (flat[2] - flat[0])) | ((b - a) % (c - a))) < 0) turned[block].push_back(t);
+        }
+      });
+      any = false;
+      for (const auto& of_block : turned)
+        for (const Triangle& t : of_block) any = keep(t) || any;
+    }
+  }
+
+  /// @return whether there were any to keep
+  template <class Keep>
+  bool keep_back_crossings(const Keep& keep) const {
+    std::vector<Triangle> finite;
+    finite.reserve(mesh_.n_faces());
+    for (std::size_t i = 0; i < mesh_.n_faces(); ++i) {
+      if (i % 65536 == 0) context_.checkpoint();
+      const FaceHandle f(static_cast<int>(i));
+      if (mesh_.status(f).deleted()) continue;
+      const Triangle t = corners_of(f);
+      if (std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return is_finite(vertex_points_[v]); }))
+        finite.push_back(t);
+    }
+    bool any = false;
+    for (const auto& pair : crossing_pairs(vertex_points_, finite, context_))
+      for (const std::uint32_t t : pair) any = keep(finite[t]) || any;
+    return any;
+  }
+
+  Triangle corners_of(FaceHandle f) const {
+    const HalfedgeHandle h = mesh_.halfedge_handle(f), next = mesh_.next_halfedge_handle(h);
+    return {static_cast<std::uint32_t>(mesh_.from_vertex_handle(h).idx()),
+            static_cast<std::uint32_t>(mesh_.to_vertex_handle(h).idx()),
+            static_cast<std::uint32_t>(mesh_.to_vertex_handle(next).idx())};
   }
 
   /// Those that were there and are marked, and all that were not.
@@ -297,6 +324,11 @@ const OptionSchema& SubdivideOptions::schema() {
                    {"butterfly", SubdivisionScheme::butterfly},
                    {"midpoint", SubdivisionScheme::midpoint}},
                   {.help = "loop smooths, butterfly keeps the vertices, midpoint the surface"})
+          .choice("guard", &O::guard,
+                  {{"folds", SubdivisionGuard::folds},
+                   {"crossings", SubdivisionGuard::crossings},
+                   {"none", SubdivisionGuard::none}},
+                  {.help = "vertices stay back where pieces would be turned over; crossings: or cross others, slower"})
           .integer("levels", &O::levels, {.min = 1, .max = 12, .help = "how often; each makes four triangles of one"})
           .angle("feature-angle", &O::feature_angle,
                  {.min = 0, .max = 180, .help = "edges with a larger angle between normals stay sharp; 180: none"})

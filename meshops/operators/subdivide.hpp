@@ -16,9 +16,17 @@ enum class SubdivisionScheme {
   midpoint,   ///< the same surface in smaller triangles
 };
 
+/// What keeps vertices back.
+enum class SubdivisionGuard {
+  folds,      ///< pieces that would be turned over
+  crossings,  ///< these, and pieces that would cross others; every level is searched, which takes several times as long
+  none,       ///< nothing
+};
+
 /// By which rules, how often, and what stays sharp.
 struct SubdivideOptions {
   SubdivisionScheme scheme = SubdivisionScheme::loop;  ///< where new and old vertices go
+  SubdivisionGuard guard = SubdivisionGuard::folds;    ///< not midpoint: what keeps vertices back
   int levels = 1;  ///< each makes four triangles of one
   /// Radians; not midpoint: edges with a larger angle between normals before the first level stay sharp, on every
   /// level.
@@ -40,11 +48,14 @@ struct SubdivideOptions {
 /// weights beside corners]; corners stay; where a crease fades out it is smooth. Which edges and vertices these are is
 /// found once, by `find_features` with both angles, and handed down from level to level. Where not all around a vertex
 /// is split (at the rim of a selection) it stays; triangles that keep an edge whole are split into two or three. A
-/// point whose stencil is not finite goes to the middle of the edge, or stays. Vertices
-/// of pieces that would be turned over (by more than a quarter turn from the triangle they are cut from) or cross others
-/// stay on the triangles of the level before, so that a mesh that does not intersect itself does not come to, but for
-/// rounding: they are counted in `skipped` ("vertices where triangles would fold or cross"; on each level anew), and a
-/// note names the first. Where triangles are long and thin, as those of CAD models are, these may be many, and
+/// point whose stencil is not finite goes to the middle of the edge, or stays.
+///
+/// Unless `guard` is `none`, the vertices of pieces that would be turned over (by more than a quarter turn from the
+/// triangle they are cut from) stay on the triangles of the level before. With `crossings` so do those of pieces that
+/// would cross others, so that a mesh that does not intersect itself does not come to, but for rounding; without it
+/// sheets that nearly touch may cross afterwards, and nothing says so. Vertices that stay are counted in `skipped`
+/// ("vertices where triangles would fold or cross"; on each level anew), and a note names the first. Where triangles
+/// are long and thin, as those of CAD models are, these may be many, and
 /// `midpoint` is the better choice.
 ///
 /// Handles of all elements stay; a face keeps its handle for one of its four pieces, an edge for one of its halves. New
