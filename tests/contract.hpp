@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -114,7 +115,7 @@ void check_threads() {
 template <class Kind>
 void check_cancel() {
   for_all<Kind>([](const Operator& op, const typename Kind::Value& input) {
-    int checkpoints = 0;
+    std::atomic<int> checkpoints = 0;
     {
       auto value = input;
       Context context;
@@ -135,12 +136,12 @@ void check_cancel() {
       }
     }
     CHECK(checkpoints > 0);
-    for (int stop = 1; stop <= std::min(checkpoints, 40); ++stop) {
+    for (int stop = 1; stop <= std::min(checkpoints.load(), 40); ++stop) {
       CAPTURE(stop);
       auto value = input, before = input;
       Context context;
       context.threads = Kind::cancel_threads;
-      int seen = 0;
+      std::atomic<int> seen = 0;
       context.on_checkpoint = [&] {
         if (++seen == stop) context.cancel();
       };

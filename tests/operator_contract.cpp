@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <string>
 
 #include "attribute_checks.hpp"
@@ -76,7 +77,7 @@ void check_undo(const Operator& op, const Mesh& input) {
   request_status(mesh);
   const MeshState before = state_of(mesh);
   const std::shared_ptr<void> options = op.schema().make();
-  int checkpoints = 0;
+  std::atomic<int> checkpoints = 0;
   Context context;
   context.on_checkpoint = [&] { ++checkpoints; };
   ChangeSet change = record(mesh, [&](MeshView view) { return op.run(view, options.get(), context); });
@@ -91,8 +92,8 @@ void check_undo(const Operator& op, const Mesh& input) {
     CHECK(difference(state_of(mesh), after) == "");
   }
   change.undo(mesh);
-  for (int stop = 1; stop <= std::min(checkpoints, 5); ++stop) {
-    int seen = 0;
+  for (int stop = 1; stop <= std::min(checkpoints.load(), 5); ++stop) {
+    std::atomic<int> seen = 0;
     Context cancelled;
     cancelled.on_checkpoint = [&] {
       if (++seen == stop) cancelled.cancel();

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <random>
@@ -296,7 +297,7 @@ TEST_CASE("fill_holes: cancelled anywhere while refining and fairing, the mesh i
   for (int stop = 0; stop == 0 || stop <= checkpoints; ++stop) {
     Mesh mesh = holed_plane({0, 0, 1});
     Context context;
-    int seen = 0;
+    std::atomic<int> seen = 0;
     context.on_checkpoint = [&] {
       if (++seen == stop) context.cancel();
     };

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -436,7 +437,7 @@ TEST_CASE("flip_diagonals: each criterion gives the same on any number of thread
       Mesh mesh = start;
       Context context;
       context.threads = 1;
-      int seen = 0;
+      std::atomic<int> seen = 0;
       context.on_checkpoint = [&] {
         if (++seen == stop) context.cancel();
       };

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -183,7 +184,7 @@ TEST_CASE("fill_ring: can be cancelled inside a long ring") {
   std::mt19937 random(6);
   const Ring ring{random_loop(2000, 0.002, random), {}, {}, {}};
   Context context;
-  int seen = 0;
+  std::atomic<int> seen = 0;
   context.on_checkpoint = [&] { ++seen; };
   fill_ring(ring, HoleStrategy::least_bending, 128, context);
   REQUIRE(seen > 4);

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -404,7 +405,7 @@ TEST_CASE("smooth: each method and rule gives the same on any number of threads,
     for (const int stop : {1, 10, 25}) {
       Context context;
       context.threads = 1;
-      int seen = 0;
+      std::atomic<int> seen = 0;
       context.on_checkpoint = [&] {
         if (++seen == stop) context.cancel();
       };

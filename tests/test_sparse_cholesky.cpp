@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -94,12 +95,12 @@ TEST_CASE("SparseCholesky: says what is not positive definite") {
 TEST_CASE("SparseCholesky: a cancel is heeded in the middle of the factors") {
   const SparseColumns a = grid_matrix(120, 120, 1, 7);
   Context counting;
-  int all = 0;
+  std::atomic<int> all = 0;
   counting.on_checkpoint = [&] { ++all; };
   const SparseCholesky factors(a, counting);
   REQUIRE(all > 1);
   Context context;
-  int left = all;
+  std::atomic<int> left = all.load();
   context.on_checkpoint = [&] {
     if (--left == 0) context.cancel();
   };

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -277,7 +278,7 @@ TEST_CASE("subdivide: cancelled, the surface is that of the last whole level") {
     Mesh mesh = start;
     Context context;
     context.threads = 1;
-    int seen = 0;
+    std::atomic<int> seen = 0;
     context.on_checkpoint = [&] {
       if (++seen == stop) context.cancel();
     };
