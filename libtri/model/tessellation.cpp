@@ -9,15 +9,16 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <tbb/task_arena.h>
 #include <unordered_map>
 
 #include "libtri/model/shape_occt.hpp"
 #include "meshops/error.hpp"
+#include "meshops/for_each_block.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 
 namespace tri {
 namespace {
-
 
 /// One side of a triangle: the edge opposite `corner`.
 struct Side {
@@ -133,11 +134,20 @@ Twins link(const LooseFaces& loose) {
   return twins;
 }
 
+// OpenCASCADE is not instrumented: the sanitizer does not see what orders its threads.
+#if defined(__SANITIZE_THREAD__)
+constexpr bool faces_in_parallel = false;
+#else
+constexpr bool faces_in_parallel = true;
+#endif
+
 }  // namespace
 
 Tessellation tessellate(const CadModel& model, double deflection, double angle, const Context& context) {
   context.checkpoint();
-  BRepMesh_IncrementalMesh(occt(model.shape), deflection, false, angle, true);
+  tbb::task_arena(worker_threads(context)).execute([&] {
+    BRepMesh_IncrementalMesh(occt(model.shape), deflection, false, angle, faces_in_parallel);
+  });
   LooseFaces loose = collect(model);
   if (loose.triangles.empty()) throw CadError("no face of the model could be tessellated");
   Twins twins = link(loose);
