@@ -5,6 +5,7 @@
 
 #include "meshops/crossings/arrangement/triangle_meeting.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/overlap_tree.hpp"
 
 namespace tri {
@@ -18,7 +19,8 @@ class Settler {
  public:
   Settler(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves, double least,
           const Context& context)
-      : points_(points),
+      : context_(context),
+        points_(points),
         triangles_(triangles),
         moves_(moves),
         least_(least),
@@ -27,12 +29,12 @@ class Settler {
         places_((place_all(), points), &context),
         tree_(boxes(), all_items(), &context) {}
 
-  void run(std::vector<char> changed, Context& context) {
+  void run(std::vector<char> changed) {
     std::vector<double> wanted;
     for (const VertexMove& m : moves_) wanted.push_back(m.height);
     std::vector<char> active(triangles_.size());
     for (int round = 0; round < most_rounds; ++round) {
-      context.checkpoint();
+      context_.checkpoint();
       std::fill(active.begin(), active.end(), 0);
       for (std::uint32_t i = 0; i < moves_.size(); ++i)
         if (changed[i])
@@ -51,7 +53,7 @@ class Settler {
     for (int sweep = 0; sweep < last_sweeps; ++sweep) {
       bool any = false;
       for (std::uint32_t i = 0; i < moves_.size(); ++i) {
-        if (i % 256 == 0) context.checkpoint();
+        if (i % 256 == 0) context_.checkpoint();
         if (moves_[i].height > 0 || !(wanted[i] > 0) || !moves_[i].may_rest) continue;
         move(i, wanted[i]);
         while (moves_[i].height > 0 && !fits(i)) move(i, lower(moves_[i]));
@@ -73,12 +75,14 @@ class Settler {
   }
 
   void place_all() {
+    Pace pace(context_);
     for (std::uint32_t i = 0; i < moves_.size(); ++i) {
+      pace();
       owner_[moves_[i].vertex] = i;
       place(moves_[i]);
       reach_ = std::max(reach_, 2 * moves_[i].height + 2);
     }
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t, pace())
       for (const std::uint32_t v : triangles_[t])
         if (owner_[v] != no_index) around_[owner_[v]].push_back(t);
   }
@@ -101,8 +105,10 @@ class Settler {
   }
 
   std::vector<OverlapTree::Box> boxes() const {
+    Pace pace(context_);
     std::vector<OverlapTree::Box> all;
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) all.push_back(box_of(t));
+    all.reserve(triangles_.size());
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t, pace()) all.push_back(box_of(t));
     return all;
   }
 
@@ -158,8 +164,10 @@ class Settler {
     };
     for (std::uint32_t i = 0; i < moves_.size(); ++i)
       if (moves_[i].height >= 1 && places_.crowded(moves_[i].vertex)) bad[i] = 1;
+    Pace pace(context_, 256);
     for (std::uint32_t t = 0; t < active.size(); ++t) {
       if (!active[t]) continue;
+      pace();
       if (is_flat(t)) {
         reject(t);
         continue;
@@ -183,6 +191,7 @@ class Settler {
     return clear;
   }
 
+  const Context& context_;
   std::vector<GridPoint>& points_;
   const std::vector<Triangle>& triangles_;
   std::vector<VertexMove>& moves_;
@@ -211,7 +220,7 @@ std::vector<char> share_places(const std::vector<GridPoint>& points, const std::
 
 void settle_moves(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves,
                   std::vector<char> changed, double least, Context& context) {
-  Settler(points, triangles, moves, least, context).run(std::move(changed), context);
+  Settler(points, triangles, moves, least, context).run(std::move(changed));
 }
 
 }  // namespace tri
