@@ -75,31 +75,36 @@ class RowType final : public PropertyType {
   }
   void set(OpenMesh::BaseProperty& property, std::size_t index, const OpenMesh::BaseProperty& place,
            std::size_t kept) const override {
-    std::copy_n(static_cast<const Place&>(place).data() + kept * size_, size_, row(property, index));
+    std::copy_n(kept_in(place) + kept * size_, size_, row(property, index));
   }
   void reset(OpenMesh::BaseProperty& property, std::size_t index) const override {
     std::fill_n(row(property, index), size_, Scalar());
   }
   void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place, std::size_t kept) const override {
     Scalar* values = row(property, index);
-    std::swap_ranges(values, values + size_, static_cast<Place&>(place).data_vector().data() + kept * size_);
+    std::swap_ranges(values, values + size_, kept_in(place) + kept * size_);
   }
   void set_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices,
                 const OpenMesh::BaseProperty& place) const override {
     if (indices.empty()) return;
-    const Scalar* kept = static_cast<const Place&>(place).data();
+    const Scalar* kept = kept_in(place);
     Scalar* const all = row(property, 0);
     for (const std::uint32_t i : indices) std::copy_n(kept, size_, all + i * size_), kept += size_;
   }
   void swap_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices, OpenMesh::BaseProperty& place) const override {
     if (indices.empty()) return;
-    Scalar* kept = static_cast<Place&>(place).data_vector().data();
+    Scalar* kept = kept_in(place);
     Scalar* const all = row(property, 0);
     for (const std::uint32_t i : indices) std::swap_ranges(kept, kept + size_, all + i * size_), kept += size_;
   }
 
  private:
   Scalar* row(OpenMesh::BaseProperty& property, std::size_t index) const { return numbers_(property) + index * size_; }
+  /// Of a place made here, or of another property of the type.
+  Scalar* kept_in(OpenMesh::BaseProperty& place) const {
+    return typeid(place) == typeid(Place) ? static_cast<Place&>(place).data_vector().data() : numbers_(place);
+  }
+  const Scalar* kept_in(const OpenMesh::BaseProperty& place) const { return kept_in(const_cast<OpenMesh::BaseProperty&>(place)); }
   // OpenMesh hands out values of constant properties only one by one.
   const Scalar* row(const OpenMesh::BaseProperty& property, std::size_t index) const {
     return row(const_cast<OpenMesh::BaseProperty&>(property), index);
