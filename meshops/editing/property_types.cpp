@@ -60,8 +60,8 @@ class RowType final : public PropertyType {
     return std::equal(first, first + size_, row(property, b));
   }
 
-  std::uint64_t hash(const OpenMesh::BaseProperty& property, std::size_t index) const override {
-    const Scalar* values = row(property, index);
+  std::uint64_t hash(const OpenMesh::BaseProperty& place, std::size_t index) const override {
+    const Scalar* values = kept_in(place) + index * size_;
     std::uint64_t result = 0;
     for (std::size_t k = 0; k < size_; ++k) result = property_values::mixed<Scalar>(result, values[k]);
     return result;
@@ -80,7 +80,8 @@ class RowType final : public PropertyType {
   void reset(OpenMesh::BaseProperty& property, std::size_t index) const override {
     std::fill_n(row(property, index), size_, Scalar());
   }
-  void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place, std::size_t kept) const override {
+  void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place,
+            std::size_t kept) const override {
     Scalar* values = row(property, index);
     std::swap_ranges(values, values + size_, kept_in(place) + kept * size_);
   }
@@ -91,7 +92,8 @@ class RowType final : public PropertyType {
     Scalar* const all = row(property, 0);
     for (const std::uint32_t i : indices) std::copy_n(kept, size_, all + i * size_), kept += size_;
   }
-  void swap_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices, OpenMesh::BaseProperty& place) const override {
+  void swap_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices,
+                 OpenMesh::BaseProperty& place) const override {
     if (indices.empty()) return;
     Scalar* kept = kept_in(place);
     Scalar* const all = row(property, 0);
@@ -100,11 +102,13 @@ class RowType final : public PropertyType {
 
  private:
   Scalar* row(OpenMesh::BaseProperty& property, std::size_t index) const { return numbers_(property) + index * size_; }
-  /// Of a place made here, or of another property of the type.
+  /// The numbers in a place: in one made here as they are, in a property of the type as rows.
   Scalar* kept_in(OpenMesh::BaseProperty& place) const {
     return typeid(place) == typeid(Place) ? static_cast<Place&>(place).data_vector().data() : numbers_(place);
   }
-  const Scalar* kept_in(const OpenMesh::BaseProperty& place) const { return kept_in(const_cast<OpenMesh::BaseProperty&>(place)); }
+  const Scalar* kept_in(const OpenMesh::BaseProperty& place) const {
+    return kept_in(const_cast<OpenMesh::BaseProperty&>(place));
+  }
   // OpenMesh hands out values of constant properties only one by one.
   const Scalar* row(const OpenMesh::BaseProperty& property, std::size_t index) const {
     return row(const_cast<OpenMesh::BaseProperty&>(property), index);

@@ -30,7 +30,8 @@ inline std::size_t greatest(std::span<const WeightedIndex> sources) {
 }
 
 /// What can be done with the values of one type of OpenMesh property, without knowing the type. Every property passed
-/// must be of the type (`PropertyT<T>`). Stateless: may be called from any thread.
+/// must be of the type (`PropertyT<T>`); a place for values to be kept in is one that `make` returned, which may hold them
+/// in another form, or a property of the type. Stateless: may be called from any thread.
 class PropertyType {
  public:
   virtual ~PropertyType() = default;
@@ -43,11 +44,12 @@ class PropertyType {
   /// Whether two elements have equal values; false for a type without `operator==`.
   virtual bool equal(const OpenMesh::BaseProperty& property, std::size_t a, std::size_t b) const = 0;
   /// A number that differs, as good as always, where numbers or vectors of numbers differ in a bit; 0 for other types.
-  virtual std::uint64_t hash(const OpenMesh::BaseProperty& property, std::size_t index) const = 0;
+  /// @param place  a property of the type, or a place
+  virtual std::uint64_t hash(const OpenMesh::BaseProperty& place, std::size_t index) const = 0;
 
-  /// An empty property of the same type, without a name: a place for values to be kept in.
+  /// An empty place for values to be kept in, without a name.
   virtual std::unique_ptr<OpenMesh::BaseProperty> make() const = 0;
-  /// Appends a copy of an element's value to a place made by `make`.
+  /// Appends a copy of an element's value to a place that `make` returned.
   virtual void keep(const OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place) const = 0;
   /// Sets an element's value to one that was kept, or to a default one: zero for numbers and vectors (whose
   /// default constructors, OpenMesh's and Eigen's, leave them uninitialised), else default-constructed.
@@ -64,7 +66,8 @@ class PropertyType {
     for (std::size_t i = 0; i < indices.size(); ++i) set(property, indices[i], place, i);
   }
   /// Swaps many elements' values with those that were kept. A type need not have its own.
-  virtual void swap_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices, OpenMesh::BaseProperty& place) const {
+  virtual void swap_each(OpenMesh::BaseProperty& property, std::span<const std::uint32_t> indices,
+                         OpenMesh::BaseProperty& place) const {
     for (std::size_t i = 0; i < indices.size(); ++i) swap(property, indices[i], place, i);
   }
 };
