@@ -15,7 +15,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct AlignArguments {
   ModelInput model;
   AlignInput align;
   std::string points, output, pose, report, metric = "plane";
@@ -25,7 +25,7 @@ struct Arguments {
   bool json = false;
 };
 
-int run(const Arguments& a, Program& program) {
+int run(const AlignArguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.pose, a.report})
     if (!path.empty()) check_output(path);
@@ -73,7 +73,7 @@ int run(const Arguments& a, Program& program) {
 
 void add_align_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("align", "Move measured points onto a CAD model, from any pose");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<AlignArguments>();
   add_model_options(*command, a->model);
   command->add_option("points", a->points, "Measured points in any pose: any file that `tri info` knows as points, or \"-\"")
       ->required();

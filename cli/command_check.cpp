@@ -8,7 +8,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct CheckArguments {
   std::string input;
   double needle = MeshCheckOptions{}.needle;
   bool json = false, open = false, no_self_intersections = false;
@@ -25,7 +25,7 @@ std::string first_of(const Items& items, const Text& text) {
   return line + (items.size() > shown ? " …" : "");
 }
 
-std::string to_text(const MeshCheck& c, const std::vector<std::pair<const char*, std::uint64_t>>& defects) {
+std::string check_text(const MeshCheck& c, const std::vector<std::pair<const char*, std::uint64_t>>& defects) {
   const MeshSummary& s = c.summary;
   std::string text = fmt::format("{}: {} vertices, {} triangles, {} components, area {:.6g}", to_string(c.kind),
                                  with_commas(s.vertices), with_commas(s.triangles), with_commas(s.components), s.area);
@@ -53,7 +53,7 @@ std::string to_text(const MeshCheck& c, const std::vector<std::pair<const char*,
   return text + (defects.empty() ? "nothing is wrong\n" : "");
 }
 
-int run(const Arguments& a, Program& program) {
+int run(const CheckArguments& a, Program& program) {
   const Soup soup = read_mesh(a.input, program.context);
   const MeshCheck check =
       check_mesh(soup, {.needle = a.needle, .self_intersections = !a.no_self_intersections}, program.context);
@@ -63,7 +63,7 @@ int run(const Arguments& a, Program& program) {
     json["wrong"] = !defects.empty();
     print_result(json);
   } else {
-    print_result(to_text(check, defects));
+    print_result(check_text(check, defects));
   }
   return defects.empty() && check.kind != SurfaceKind::none ? exit_done : exit_failed;
 }
@@ -72,7 +72,7 @@ int run(const Arguments& a, Program& program) {
 
 void add_check_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("check", "Say what is wrong with a mesh, and where; exit code 1 if anything is");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<CheckArguments>();
   command->add_option("mesh", a->input, "Mesh to read: PLY, STL, OBJ, OFF, 3MF or glTF; - for standard input")->required();
   command->add_flag("--open", a->open, "The mesh is meant to be an open surface: its boundary is nothing wrong");
   command->add_option("--needle", a->needle, "Height over longest side below which a triangle is a needle")

@@ -19,14 +19,14 @@ void add_box(Info& info, const Vec3& low, const Vec3& high) {
 
 namespace {
 
-struct Arguments {
+struct InfoArguments {
   std::string input, kind = "auto";
   PointUnits units;
   double sew = 0.01;
   bool json = false;
 };
 
-Info surface_info(const Arguments& a, Program& program) {
+Info surface_info(const InfoArguments& a, Program& program) {
   if (a.kind == "points") return points_info(a.input, a.units, program);
   Info info = mesh_info(a.input, program.context);
   // A PLY without faces holds points, unless the user says otherwise.
@@ -36,7 +36,7 @@ Info surface_info(const Arguments& a, Program& program) {
   return info;
 }
 
-int run(const Arguments& a, Program& program) {
+int run(const InfoArguments& a, Program& program) {
 #ifdef TRI_WITH_CAD
   const Info info = a.kind == "cad" ? cad_info(a.input, a.sew, program.context) : surface_info(a, program);
 #else
@@ -61,7 +61,7 @@ int run(const Arguments& a, Program& program) {
 
 void add_info_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("info", "Say what matters about a mesh, points or a CAD file");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<InfoArguments>();
   command
       ->add_option("file", a->input,
                    "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF), points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) or CAD (IGES, STEP, BREP)")

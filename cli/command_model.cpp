@@ -8,7 +8,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct ModelArguments {
   std::string name, output;
   bool json = false;
 };
@@ -33,7 +33,7 @@ int list(bool json) {
   return exit_done;
 }
 
-int write(const Arguments& a, Program& program) {
+int write(const ModelArguments& a, Program& program) {
   check_output(a.output);
   const Shape shape = example_part(a.name);
   program.context.checkpoint();
@@ -54,7 +54,7 @@ int write(const Arguments& a, Program& program) {
 
 void add_model_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("model", "Write an example part as a CAD file; without a name, list them");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<ModelArguments>();
   auto* name = command->add_option("name", a->name, "Part to build");
   auto* output = command->add_option("-o,--output", a->output, "File to write: .igs, .step or .brep, in millimetres");
   output->needs(name);

@@ -63,12 +63,12 @@ int run(const Registry& registry, const std::string& name, bool json) {
 
 void add_ops_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("ops", "List the operators of `tri run`, or explain one");
-  struct Arguments {
+  struct OpsArguments {
     std::string name;
     std::vector<std::string> plugins;
     bool json = false;
   };
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<OpsArguments>();
   command->add_option("name", a->name, "Operator to explain; without, all are listed");
   command->add_flag("--json", a->json, "Names, options, units, ranges and defaults as JSON");
   add_plugins_option(*command, a->plugins);

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct RegisterArguments {
   ModelInput model;
   std::string points, output, report;
   PointUnits units;
@@ -41,7 +41,7 @@ struct Summary {
   std::vector<std::uint64_t> per_face;  // beside CadModel::faces
 };
 
-Summary summarise(const std::vector<Foot>& feet, const CadModel& model, const Arguments& a, const Context& context) {
+Summary summarise(const std::vector<Foot>& feet, const CadModel& model, const RegisterArguments& a, const Context& context) {
   Summary s;
   s.far_distance = a.far > 0 ? a.far : far_share * model.diagonal;
   s.per_face.assign(model.faces.size(), 0);
@@ -58,7 +58,7 @@ Summary summarise(const std::vector<Foot>& feet, const CadModel& model, const Ar
   return s;
 }
 
-Json report_json(const Summary& s, const CadModel& model, const Arguments& a, const PointsFileInfo& file,
+Json report_json(const Summary& s, const CadModel& model, const RegisterArguments& a, const PointsFileInfo& file,
                  const Json& seconds) {
   Json options{{"cad", a.model.path}, {"points", a.points}, {"sew", a.model.sew}, {"far", s.far_distance}};
   options.update(to_json(a.units, file));
@@ -92,7 +92,7 @@ Json report_json(const Summary& s, const CadModel& model, const Arguments& a, co
   return json;
 }
 
-std::string report_text(const Summary& s, const CadModel& model, const Arguments& a) {
+std::string report_text(const Summary& s, const CadModel& model, const RegisterArguments& a) {
   const ValueStatistics& d = s.deviation;
   const auto met = s.per_face.size() - static_cast<std::size_t>(std::count(s.per_face.begin(), s.per_face.end(), 0u));
   std::string text = fmt::format("{} points on {} of {} faces, {} of them on edges\n", with_commas(d.count), met,
@@ -119,7 +119,7 @@ void warn_of_far_points(const Summary& s) {
   print_note(text);
 }
 
-int run(const Arguments& a, Program& program) {
+int run(const RegisterArguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.report})
     if (!path.empty()) check_output(path);
@@ -162,7 +162,7 @@ int run(const Arguments& a, Program& program) {
 void add_register_command(CLI::App& app, Program& program) {
   auto* command =
       app.add_subcommand("register", "Find for every point the closest point on a CAD model: face, u, v, deviation");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<RegisterArguments>();
   add_model_options(*command, a->model);
   command
       ->add_option("points", a->points, "Points: any file that `tri info` knows as points, or \"-\"; taken as they are unless --align or --pose says more")

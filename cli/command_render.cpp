@@ -13,7 +13,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct RenderArguments {
   std::string input, output;
   RenderOptions options;
   PointUnits units;
@@ -51,12 +51,12 @@ std::string legend(const Rendering& r, const std::string& by) {
   return "";
 }
 
-Soup read_drawable(const Arguments& a, Program& program) {
+Soup read_drawable(const RenderArguments& a, Program& program) {
   if (kind_of(a.input) != "points") return read_mesh(a.input, program.context);
   return to_soup(read_points_in_mm(a.input, a.units, program));
 }
 
-int run(const Arguments& arguments, Program& program) {
+int run(const RenderArguments& arguments, Program& program) {
   check_output(arguments.output);
   Context& context = program.context;
   const Soup soup = read_drawable(arguments, program);
@@ -91,7 +91,7 @@ int run(const Arguments& arguments, Program& program) {
 
 void add_render_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("render", "Draw a mesh into a PNG picture; needs no display");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<RenderArguments>();
   command
       ->add_option("mesh", a->input,
                    "Mesh: PLY, STL, OBJ, OFF, 3MF or glTF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")

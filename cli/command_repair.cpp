@@ -12,7 +12,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct RepairArguments {
   std::string input, output, report, goal = "auto";
   double max_deviation = RepairOptions{}.max_deviation;
   bool json = false, dry_run = false, ascii = false;
@@ -23,7 +23,7 @@ RepairGoal goal_of(const std::string& name) {
   return name == "surface" ? RepairGoal::surface : RepairGoal::automatic;
 }
 
-std::string place_text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
+std::string point_text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 
 /// The first few; JSON has more.
 std::string places_text(const std::vector<RepairPlace>& places) {
@@ -31,7 +31,7 @@ std::string places_text(const std::vector<RepairPlace>& places) {
   std::string text;
   for (std::size_t i = 0; i < std::min(shown, places.size()); ++i)
     text += fmt::format("{}{} {} {}", i == 0 ? "  at " : ", ", places[i].is_triangle ? "triangle" : "vertex", places[i].index,
-                        place_text(places[i].at));
+                        point_text(places[i].at));
   return text.empty() ? text : text + (places.size() > shown ? " …\n" : "\n");
 }
 
@@ -41,7 +41,7 @@ bool holds_floats(const std::string& output) {
 }
 
 /// Whether the output has the format and encoding of the input, so that its bytes can stay as they are.
-bool would_be_written_alike(const MeshFileInfo& file, const Arguments& a) {
+bool would_be_written_alike(const MeshFileInfo& file, const RepairArguments& a) {
   if (a.input == "-") return false;
   const std::string extension = file_extension(a.output);
   const bool text = file.encoding == MeshEncoding::ascii;
@@ -59,7 +59,7 @@ bool would_be_written_alike(const MeshFileInfo& file, const Arguments& a) {
   }
 }
 
-int run(const Arguments& a, Program& program) {
+int run(const RepairArguments& a, Program& program) {
   Context& context = program.context;
   if (!a.output.empty() && !a.dry_run) check_output(a.output);
   if (!a.report.empty()) check_output(a.report);
@@ -88,8 +88,8 @@ int run(const Arguments& a, Program& program) {
   for (std::size_t i = 0; i < result.steps.size(); ++i) text += to_text(result.steps[i]) + places_text(result.places[i]);
   if (result.deviation)
     text += fmt::format("farthest from the result: {:.3g} of what was there, at {}; farthest from what was there: {:.3g}, at {}\n",
-                        result.deviation->lost, place_text(result.deviation->lost_at), result.deviation->added,
-                        place_text(result.deviation->added_at));
+                        result.deviation->lost, point_text(result.deviation->lost_at), result.deviation->added,
+                        point_text(result.deviation->added_at));
   if (!result.changed) text += "nothing had to be repaired\n";
   if (!a.dry_run) {
     json["output"] = a.output;
@@ -112,7 +112,7 @@ int run(const Arguments& a, Program& program) {
 
 void add_repair_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("repair", "Make a clean mesh of any triangles, and say what was done");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<RepairArguments>();
   command->add_option("in", a->input, "Mesh to read: PLY, STL, OBJ, OFF, 3MF or glTF")->required();
   command->add_option("-o,--output", a->output, "Mesh to write; its ending (.ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp) gives the format");
   command->add_option("--goal", a->goal, "solid: closed, no crossings; surface: open where it was open; auto: by the boundary")

@@ -15,7 +15,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct RunArguments {
   std::string input, output, recipe, save;
   std::vector<std::string> plugins;
   PointUnits units;
@@ -28,7 +28,7 @@ struct Steps {
   Pipeline pipeline;
 };
 
-Pipeline pipeline_of(const Arguments& a, const Registry& registry, const Program& program) {
+Pipeline pipeline_of(const RunArguments& a, const Registry& registry, const Program& program) {
   if (a.recipe.empty()) return usage([&] { return Pipeline::from_tokens(program.steps, registry); });
   if (!program.steps.empty()) throw UsageError("--recipe and steps on the command line exclude each other");
   const InputFile file(a.recipe);
@@ -40,13 +40,13 @@ Pipeline pipeline_of(const Arguments& a, const Registry& registry, const Program
 }
 
 // What the input is read as. A PLY may hold either: the first step tells, or, without steps, the output's format.
-Domain input_domain(const Arguments& a, const Pipeline& pipeline) {
+Domain input_domain(const RunArguments& a, const Pipeline& pipeline) {
   if (kind_of(a.input) == "points") return Domain::points;
   if (!pipeline.empty()) return pipeline.steps().front().op->domain() == Domain::points ? Domain::points : Domain::soup;
   return kind_of(a.output) == "points" ? Domain::points : Domain::soup;
 }
 
-Geometry read_input(const Arguments& a, const Pipeline& pipeline, nlohmann::ordered_json& json, Program& program) {
+Geometry read_input(const RunArguments& a, const Pipeline& pipeline, nlohmann::ordered_json& json, Program& program) {
   if (input_domain(a, pipeline) != Domain::points) return read_mesh(a.input, program.context);
   PointsFileInfo file;
   PointSet points = read_points_in_mm(a.input, a.units, program, &file);
@@ -55,7 +55,7 @@ Geometry read_input(const Arguments& a, const Pipeline& pipeline, nlohmann::orde
 }
 
 // Writes what came out; counts into `json` and, as a sentence, into the result.
-std::string write_output(const Arguments& a, Geometry& geometry, nlohmann::ordered_json& json, Program& program) {
+std::string write_output(const RunArguments& a, Geometry& geometry, nlohmann::ordered_json& json, Program& program) {
   MeshWriteReport written;
   std::string text;
   if (auto* mesh = std::get_if<Mesh>(&geometry)) geometry = to_soup(view_of(*mesh));
@@ -78,7 +78,7 @@ std::string write_output(const Arguments& a, Geometry& geometry, nlohmann::order
   return text;
 }
 
-int run(const Arguments& a, const Pipeline& pipeline, Program& program) {
+int run(const RunArguments& a, const Pipeline& pipeline, Program& program) {
   check_output(a.output);
   if (!a.save.empty()) check_output(a.save);
   nlohmann::ordered_json json{{"input", a.input}, {"output", a.output}};
@@ -97,7 +97,7 @@ int run(const Arguments& a, const Pipeline& pipeline, Program& program) {
   return exit_done;
 }
 
-void check_formats(const Arguments& a, const Pipeline& pipeline) {
+void check_formats(const RunArguments& a, const Pipeline& pipeline) {
   const Domain input = input_domain(a, pipeline);
   Domain result = input;
   usage([&] { return pipeline.plan(input, &result); });
@@ -115,7 +115,7 @@ void check_formats(const Arguments& a, const Pipeline& pipeline) {
 }
 
 // A dry run: what would be done, without opening a mesh.
-int save_only(const Arguments& a, const Pipeline& pipeline) {
+int save_only(const RunArguments& a, const Pipeline& pipeline) {
   write_json(a.save, pipeline.to_json());
   print_result(fmt::format("{}: {} steps\n", a.save, pipeline.steps().size()));
   return exit_done;
@@ -125,7 +125,7 @@ int save_only(const Arguments& a, const Pipeline& pipeline) {
 
 void add_run_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("run", "Run operators on a mesh or on points, one after another");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<RunArguments>();
   auto* input = command->add_option("in", a->input, "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF) or points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) to read");
   command->add_option("out", a->output, "File to write; its ending gives the format: mesh .ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp; points .xyz, .txt, .asc, .csv, .ply, .pcd")->needs(input);
   command->add_option("--recipe", a->recipe, "Take the steps from this file, as --save writes it");

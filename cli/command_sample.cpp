@@ -14,7 +14,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct SampleArguments {
   std::string cad, output, truth, pose, pattern = "random";
   MeasurementOptions options;
   double max_angle = 75;  // degrees
@@ -39,7 +39,7 @@ nlohmann::ordered_json pose_json(const VirtualMeasurement& m) {
   return {{"matrix", m.to_model}, {"meaning", "takes the points to the model"}};
 }
 
-int run(const Arguments& a, Program& program) {
+int run(const SampleArguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.truth, a.pose})
     if (!path.empty()) check_output(path);
@@ -75,7 +75,7 @@ int run(const Arguments& a, Program& program) {
 
 void add_sample_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("sample", "Measure a CAD model virtually: points with noise, and the truth beside them");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<SampleArguments>();
   MeasurementOptions& o = a->options;
   command->add_option("--cad", a->cad, "CAD model: IGES, STEP or BREP")->required()->type_name("FILE");
   command->add_option("-o,--output", a->output, "Points to write: .xyz, .txt, .asc, .csv, .ply or .pcd, in millimetres")

@@ -20,7 +20,7 @@
 namespace tri::cli {
 namespace {
 
-struct Arguments {
+struct TriangulateArguments {
   ModelInput model;
   AlignInput align;
   std::string points, output, patches, method = "auto", unmeasured = "hole";
@@ -31,7 +31,7 @@ struct Arguments {
   bool ascii = false, json = false;
 };
 
-nlohmann::ordered_json options_json(const Arguments& a, const PointsFileInfo& file) {
+nlohmann::ordered_json options_json(const TriangulateArguments& a, const PointsFileInfo& file) {
   nlohmann::ordered_json json{{"cad", a.model.path},
                               {"points", a.points},
                               {"method", a.method},
@@ -46,7 +46,7 @@ nlohmann::ordered_json options_json(const Arguments& a, const PointsFileInfo& fi
   return json;
 }
 
-TriangulateOptions options_of(const Arguments& a) {
+TriangulateOptions options_of(const TriangulateArguments& a) {
   TriangulateOptions options;
   options.method = a.method == "patches" ? Method::patches : a.method == "shell" ? Method::shell : Method::automatic;
   options.unmeasured = a.unmeasured == "span" ? Unmeasured::span : Unmeasured::hole;
@@ -56,7 +56,7 @@ TriangulateOptions options_of(const Arguments& a) {
   return options;
 }
 
-void write(const std::string& path, Mesh& mesh, const PointSet& set, const PreparedPoints& prepared, const Arguments& a,
+void write(const std::string& path, Mesh& mesh, const PointSet& set, const PreparedPoints& prepared, const TriangulateArguments& a,
            Program& program) {
   Context uncancelled;  // an interrupt between two files would leave half of the result
   Soup soup = to_soup(view_of(mesh));
@@ -66,7 +66,7 @@ void write(const std::string& path, Mesh& mesh, const PointSet& set, const Prepa
   for (const std::string& note : written.notes) print_note(path + ": " + note);
 }
 
-int run(const Arguments& a, Program& program) {
+int run(const TriangulateArguments& a, Program& program) {
   Context& context = program.context;
   for (const std::string& path : {a.output, a.patches})
     if (!path.empty()) check_output(path);
@@ -116,7 +116,7 @@ int run(const Arguments& a, Program& program) {
 
 void add_triangulate_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("triangulate", "Make one mesh of a CAD file and unordered points measured on the part");
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<TriangulateArguments>();
   add_model_options(*command, a->model);
   command->add_option("points", a->points, "Measured points in any pose: XYZ, ASC, CSV, TXT, PLY, PCD, PTX or E57, in any order")
       ->required();

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string to_text(const SurfaceTopology& t) {
+std::string topology_text(const SurfaceTopology& t) {
   return fmt::format("{} components, {} loops, Euler {}", t.components, t.loops, t.euler);
 }
 
@@ -32,8 +32,8 @@ std::string triangulate_summary(const TriangulateResult& r, const CadModel& mode
   text += fmt::format("\nmethod {}: {}\n", name_of(r.method), r.method_reason);
   text += fmt::format("deviation: standard deviation {:.4g} mm\n", r.sigma);
   text += r.checks.model == r.checks.mesh
-              ? fmt::format("topology: {}, as the model has it\n", to_text(r.checks.mesh))
-              : fmt::format("topology: {}; the model has {}\n", to_text(r.checks.mesh), to_text(r.checks.model));
+              ? fmt::format("topology: {}, as the model has it\n", topology_text(r.checks.mesh))
+              : fmt::format("topology: {}; the model has {}\n", topology_text(r.checks.mesh), topology_text(r.checks.model));
   if (r.checks.self_intersections > 0)
     text += fmt::format("self-intersections: {} pairs of triangles\n", with_commas(r.checks.self_intersections));
   if (!r.unmeasured_faces.empty())

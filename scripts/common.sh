@@ -28,10 +28,12 @@ build() {
   cmake --build "build/$preset" -j "$(jobs)" "${targets[@]}"
 }
 
-# run_tests PRESET: runs the suite of a built preset and prints how many cases and checks there were.
+# run_tests PRESET [OPTION…]: runs the suite of a built preset, the options being ctest's, and prints how many cases and
+# checks there were.
 run_tests() {
   local preset=$1 result=0
-  ctest --test-dir "build/$preset" --output-on-failure -j 2 || result=$?
+  shift
+  ctest --test-dir "build/$preset" --output-on-failure -j 2 "$@" || result=$?
   print_test_summary "$preset"
   return "$result"
 }
