@@ -1,11 +1,14 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
 
 #include "meshops/checks/mesh_distance.hpp"
 #include "meshops/crossings/self_intersections.hpp"
@@ -239,6 +242,39 @@ TEST_CASE("remesh: sheets that nearly touch do not come to cross") {
       CHECK(self_intersections(out.points, out.triangles, Context(), Neighbors::judge).empty());
       CHECK(report.figures.count("crossing pairs") == 0);
     }
+}
+
+TEST_CASE("remesh: sheets that cross do so in more pairs where they get finer, and a note says where") {
+  // Two squares, not of one size, across each other in the line from (0.5, 2.07, 2) to (3.5, 2.07, 2).
+  Mesh mesh;
+  for (const bool standing : {false, true}) {
+    const auto at = [&](double x, double y) {
+      return mesh.add_vertex(standing ? Vec3(1.1 * x - 0.21, 2.07, 1.03 * y) : Vec3(x, y, 2));
+    };
+    const std::array v{at(0.5, 0.3), at(3.5, 0.3), at(3.5, 3.7), at(0.5, 3.7)};
+    mesh.add_face(v[0], v[1], v[2]);
+    mesh.add_face(v[0], v[2], v[3]);
+  }
+  Soup soup = to_soup(view_of(mesh));
+  const auto pairs = [&] { return self_intersections(soup.points, soup.triangles, Context(), Neighbors::judge).size(); };
+  const std::size_t before = pairs();
+  REQUIRE(before > 0);
+  const Report report = run_remesh(mesh, {.length = 0.4});
+  soup = to_soup(view_of(mesh));
+  const std::size_t after = pairs();
+  CHECK(after > before);
+  CHECK(report.figures.at("crossing pairs") == static_cast<double>(after));
+  const auto note = std::ranges::find_if(report.notes, [](const std::string& n) { return n.find(" cross") != n.npos; });
+  REQUIRE(note != report.notes.end());
+  unsigned long now = 0, then = 0;
+  double x = 0, y = 0, z = 0;
+  REQUIRE(std::sscanf(note->c_str(), "%lu pairs of triangles cross, %lu did before; one at (%lf, %lf, %lf)", &now, &then,
+                      &x, &y, &z) == 5);
+  CHECK(now == after);
+  CHECK(then == before);
+  CHECK(x > 0.5);
+  CHECK(x < 3.5);
+  CHECK(std::hypot(y - 2.07, z - 2) < 0.4);
 }
 
 TEST_CASE("remesh: small round holes, slots and corners stay, however long the edges are to be") {

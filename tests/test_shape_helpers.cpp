@@ -13,6 +13,7 @@
 #include "meshops/shape/collapse_stars.hpp"
 #include "meshops/shape/curvature_lengths.hpp"
 #include "meshops/shape/edge_lines.hpp"
+#include "meshops/shape/surface_survey.hpp"
 #include "meshops/shape/target_lengths.hpp"
 #include "meshops/shape/valence_excess.hpp"
 #include "test_shapes.hpp"
@@ -256,4 +257,51 @@ TEST_CASE("target_lengths: alike everywhere, or those of the input; as many tria
   CHECK(diagonal_of(points, triangles) == 5);
   Mesh mesh = make_mesh(points, {{0, 1, 2}});
   CHECK(mean_edge_length(view_of(mesh)) == doctest::Approx(4));
+}
+
+TEST_CASE("survey_surface: angles, and distances at corners, middles of edges and of triangles") {
+  const auto surveyed = [](Mesh& mesh, const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
+    const ClosestTriangle other(points, triangles);
+    return survey_surface(view_of(mesh), other, std::vector<std::uint32_t>(mesh.n_vertices(), 0), Context());
+  };
+  const auto one_triangle = [](const Vec3& a, const Vec3& b, const Vec3& c) {
+    Mesh mesh;
+    mesh.add_face(mesh.add_vertex(a), mesh.add_vertex(b), mesh.add_vertex(c));
+    mesh.request_face_status(), mesh.request_edge_status(), mesh.request_vertex_status(), mesh.request_halfedge_status();
+    return mesh;
+  };
+  // A roof with slopes of 45 degrees and its ridge at x = 1: what is at height 0 under x is min(x, 2 - x) / sqrt 2 off it.
+  const std::vector<Vec3> roof{{0, -9, 0}, {1, -9, 1}, {1, 9, 1}, {0, 9, 0}, {2, -9, 0}, {2, 9, 0}};
+  const std::vector<Triangle> slopes{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
+  const double root = std::sqrt(2.0);
+  Mesh at_edge = one_triangle({0, 0, 0}, {2, 0, 0}, {0, 4, 0});
+  const SurfaceSurvey edge = surveyed(at_edge, roof, slopes);
+  CHECK(edge.faces == 1);
+  CHECK(edge.greatest_distance == doctest::Approx(1 / root));
+  CHECK(edge.smallest_angle == doctest::Approx(std::atan(0.5)));
+  Mesh at_corner = one_triangle({1, 0, 0}, {0, 0, 0}, {0, 1, 0});
+  CHECK(surveyed(at_corner, roof, slopes).greatest_distance == doctest::Approx(1 / root));
+  // A pit under its middle, which the corners and the middles of the edges do not see.
+  const double h = 0.01;
+  const Vec3 middle(1, 1, 0);
+  const std::vector<Vec3> pit{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {1.5, 0, 0}, {1.5, 1.5, 0}, {0, 1.5, 0}, middle - Vec3(0, 0, h)};
+  const std::vector<Triangle> walls{{0, 3, 6}, {3, 1, 6}, {1, 4, 6}, {4, 2, 6}, {2, 5, 6}, {5, 0, 6}};
+  Mesh over_pit = one_triangle(pit[0], pit[1], pit[2]);
+  double nearest = h;
+  for (const Triangle& t : walls) {
+    const Vec3 n = ((pit[t[1]] - pit[t[0]]) % (pit[t[2]] - pit[t[0]])).normalized();
+    nearest = std::min(nearest, std::abs(n | (middle - pit[t[0]])));
+  }
+  CHECK(surveyed(over_pit, pit, walls).greatest_distance == doctest::Approx(nearest).epsilon(1e-9));
+
+  // What is deleted does not count; nothing at all is no distance.
+  Mesh grid = sphere_belt(40, 20, 5).mesh();
+  grid.request_face_status(), grid.request_edge_status(), grid.request_vertex_status(), grid.request_halfedge_status();
+  const std::size_t n = grid.n_faces();
+  grid.delete_face(FaceHandle(3), false);
+  CHECK(surveyed(grid, roof, slopes).faces == n - 1);
+  for (const FaceHandle f : grid.faces()) grid.delete_face(f, false);
+  const SurfaceSurvey none = surveyed(grid, roof, slopes);
+  CHECK(none.faces == 0);
+  CHECK(none.greatest_distance == 0);
 }

@@ -15,6 +15,7 @@
 #include "libtri/model/shape_occt.hpp"
 #include "meshops/error.hpp"
 #include "meshops/for_each_block.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 
 namespace tri {
@@ -213,7 +214,9 @@ Tessellation tessellate(const CadModel& model, double deflection, double angle, 
   return result;
 }
 
-SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vector<std::array<std::int32_t, 3>>& neighbors) {
+SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vector<std::array<std::int32_t, 3>>& neighbors,
+                         const Context* context) {
+  Pace pace(context);
   std::uint32_t vertices = 0;
   for (const Triangle& t : triangles)
     for (std::uint32_t v : t) vertices = std::max(vertices, v + 1);
@@ -221,7 +224,7 @@ SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vect
   DisjointSets components(triangles.size()), rims(vertices);
   std::vector<bool> on_rim(vertices, false);
   long edges_twice = 0;
-  for (std::uint32_t i = 0; i < triangles.size(); ++i)
+  for (std::uint32_t i = 0; i < triangles.size(); ++i, pace())
     for (int k = 0; k < 3; ++k) {
       used[triangles[i][k]] = true;
       if (neighbors[i][k] >= 0) {
@@ -236,11 +239,11 @@ SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vect
     }
   SurfaceTopology result;
   long n_vertices = 0;
-  for (std::uint32_t v = 0; v < vertices; ++v) {
+  for (std::uint32_t v = 0; v < vertices; ++v, pace()) {
     n_vertices += used[v];
     if (on_rim[v] && rims.find(v) == v) ++result.loops;
   }
-  for (std::uint32_t i = 0; i < triangles.size(); ++i)
+  for (std::uint32_t i = 0; i < triangles.size(); ++i, pace())
     if (components.find(i) == i) ++result.components;
   result.euler = n_vertices - edges_twice / 2 + static_cast<long>(triangles.size());
   return result;

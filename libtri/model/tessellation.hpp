@@ -39,6 +39,8 @@ struct SurfaceTopology {
   bool operator==(const SurfaceTopology&) const = default;
 };
 /// Counts them in linear time. @param neighbors  of each triangle across the side opposite corner k; -1 for none
-SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vector<std::array<std::int32_t, 3>>& neighbors);
+/// @param context  null: cannot be cancelled @throws Cancelled
+SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vector<std::array<std::int32_t, 3>>& neighbors,
+                         const Context* context = nullptr);
 
 }  // namespace tri

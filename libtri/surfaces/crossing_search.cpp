@@ -4,12 +4,13 @@
 #include <utility>
 
 #include "meshops/crossings/self_intersections.hpp"
+#include "meshops/pace.hpp"
 
 namespace tri {
 
 CrossingSearch::CrossingSearch(std::span<const Vec3> positions, const std::vector<Triangle>& triangles,
-                               std::vector<std::uint32_t> ids)
-    : positions_(positions), triangles_(triangles), ids_(std::move(ids)), changed_(triangles.size(), false) {
+                               std::vector<std::uint32_t> ids, const Context* context)
+    : positions_(positions), triangles_(triangles), ids_(std::move(ids)), context_(context), changed_(triangles.size(), false) {
   refresh();
 }
 
@@ -20,11 +21,12 @@ void CrossingSearch::note_change(std::uint32_t t) {
 void CrossingSearch::refresh() {
   std::vector<OverlapTree::Box> boxes(ids_.size());
   std::vector<std::uint32_t> items(ids_.size());
-  for (std::uint32_t i = 0; i < ids_.size(); ++i) {
+  Pace pace(context_);
+  for (std::uint32_t i = 0; i < ids_.size(); ++i, pace()) {
     items[i] = i;
     boxes[i] = box_of(triangles_[ids_[i]]);
   }
-  tree_.emplace(std::move(boxes), std::move(items));
+  tree_.emplace(std::move(boxes), std::move(items), context_);
   for (std::uint32_t t : changed_list_) changed_[t] = false;
   changed_list_.clear();
 }

@@ -77,7 +77,9 @@ class BridgeTest {
     wanted_.clear();
     turned_.clear();
     middles_.clear();
+    Pace pace(quiet_);
     for (const Triangle& t : triangles) {
+      pace();
       const Foot &a = feet_[t[0]], &b = feet_[t[1]], &c = feet_[t[2]];
       const Triangle key = sorted(t);
       if (!known_.emplace(key, false).second) continue;
@@ -87,7 +89,7 @@ class BridgeTest {
     }
     if (wanted_.empty()) return;
     const std::vector<Foot> nearest = registration_.register_points(middles_, quiet_);
-    for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    for (std::size_t i = 0; i < wanted_.size(); ++i, pace()) {
       const Triangle& t = wanted_[i];
       const Vec3& a = feet_[t[0]].point;
       const Vec3 n = unit_normal(a, feet_[t[1]].point, feet_[t[2]].point);
@@ -122,7 +124,9 @@ class BridgeTest {
 /// there to tell which edges exist, and is not changed.
 class BridgeZone {
  public:
-  BridgeZone(const PointMesh& mesh, std::span<const Foot> feet, std::span<const std::uint32_t> seeds, int steps) {
+  BridgeZone(const PointMesh& mesh, std::span<const Foot> feet, std::span<const std::uint32_t> seeds, int steps,
+             const Context& context) {
+    Pace pace(context);
     // The core: `steps` triangles around the seeds, across edges.
     std::vector<std::uint8_t> state(mesh.triangles.size(), 0);  // 1: may change; 2: at the rim
     std::vector<std::uint32_t> front(seeds.begin(), seeds.end()), next;
@@ -135,16 +139,16 @@ class BridgeZone {
       front.swap(next);
     }
     std::vector<bool> inner(feet.size(), false);
-    for (std::size_t t = 0; t < state.size(); ++t)
+    for (std::size_t t = 0; t < state.size(); ++t, pace())
       if (state[t])
         for (std::uint32_t v : mesh.triangles[t]) inner[v] = true;
-    for (std::size_t t = 0; t < state.size(); ++t) {
+    for (std::size_t t = 0; t < state.size(); ++t, pace()) {
       const Triangle& q = mesh.triangles[t];
       if (!state[t] && (inner[q[0]] || inner[q[1]] || inner[q[2]])) state[t] = 2;
     }
 
     std::vector<std::int32_t> number(mesh.triangles.size(), -1), vertex(feet.size(), -1);
-    for (std::uint32_t t = 0; t < state.size(); ++t) {
+    for (std::uint32_t t = 0; t < state.size(); ++t, pace()) {
       if (!state[t]) continue;
       number[t] = static_cast<std::int32_t>(triangles.size());
       triangles.push_back(t);
@@ -161,6 +165,7 @@ class BridgeZone {
       edit.triangles.push_back(local);
     }
     for (std::uint32_t t : triangles) {
+      pace();
       std::array<std::int32_t, 3> row;
       for (int k = 0; k < 3; ++k) row[k] = mesh.neighbors[t][k] < 0 ? -1 : number[mesh.neighbors[t][k]];
       edit.neighbors.push_back(row);
@@ -192,12 +197,12 @@ class BridgeZone {
 
 class Lessener {
  public:
-  Lessener(BridgeZone& zone, std::span<const Vec3> points, BridgeTest& test)
+  Lessener(BridgeZone& zone, std::span<const Vec3> points, BridgeTest& test, const Context& context)
       : zone_(zone), mesh_(zone.edit), test_(test), cost_(zone.edit) {
     for (const EditMesh::Vertex& v : mesh_.vertices) positions_.push_back(points[v.point]);
     std::vector<std::uint32_t> all(mesh_.triangles.size());
     std::iota(all.begin(), all.end(), 0);
-    search_.emplace(positions_, mesh_.triangles, std::move(all));
+    search_.emplace(positions_, mesh_.triangles, std::move(all), &context);
   }
 
   /// Works on regions of at most so many ring vertices until no bridging triangle is left or none can be helped.
@@ -490,11 +495,13 @@ class Lessener {
 };
 
 /// The triangles that may bridge, and the area of all.
-std::vector<std::uint32_t> find_suspicious(std::span<const Foot> feet, const PointMesh& mesh, double& total_area) {
+std::vector<std::uint32_t> find_suspicious(std::span<const Foot> feet, const PointMesh& mesh, double& total_area,
+                                           const Context& context) {
   const std::size_t blocks = (mesh.triangles.size() + triangles_block - 1) / triangles_block;
   std::vector<std::vector<std::uint32_t>> found(blocks);
   std::vector<double> area(blocks, 0);
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t i) {
+    context.checkpoint();
     for (std::size_t t = i * triangles_block; t < std::min(mesh.triangles.size(), (i + 1) * triangles_block); ++t) {
       const Triangle& q = mesh.triangles[t];
       const Foot &a = feet[q[0]], &b = feet[q[1]], &c = feet[q[2]];
@@ -516,20 +523,17 @@ std::vector<std::uint32_t> find_suspicious(std::span<const Foot> feet, const Poi
 
 Bridges lessen_bridges(std::span<const Vec3> points, std::span<const Foot> feet, const Registration& registration,
                        double tolerance, PointMesh& mesh, Context& context) {
-  context.checkpoint();
+  Pace pace(context);
   Bridges bridges;
-  std::vector<std::uint32_t> seeds = find_suspicious(feet, mesh, bridges.total_area);
+  std::vector<std::uint32_t> seeds = find_suspicious(feet, mesh, bridges.total_area, context);
   BridgeTest test(feet, registration, tolerance, context);
-  context.checkpoint();
   std::vector<Triangle> asked;
-  for (std::uint32_t t : seeds) asked.push_back(mesh.triangles[t]);
+  for (std::uint32_t t : seeds) pace(), asked.push_back(mesh.triangles[t]);
   test.ask(asked);
-  std::erase_if(seeds, [&](std::uint32_t t) { return !test(mesh.triangles[t]); });
+  std::erase_if(seeds, [&](std::uint32_t t) { return pace(), !test(mesh.triangles[t]); });
   if (seeds.empty()) return bridges;
-  context.checkpoint();
-  BridgeZone zone(mesh, feet, seeds, zone_steps);
-  context.checkpoint();
-  Lessener lessener(zone, points, test);
+  BridgeZone zone(mesh, feet, seeds, zone_steps, context);
+  Lessener lessener(zone, points, test, context);
   context.checkpoint();
   lessener.run(small_rings, context);
   if (lessener.bridging_area() > much * bridges.total_area) lessener.run(large_rings, context);
@@ -554,9 +558,8 @@ bool mend_crossings(std::span<const Vec3> points, std::span<const Foot> feet, co
   std::sort(tangled.begin(), tangled.end());
   tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
   BridgeTest test(feet, registration, tolerance, context);
-  BridgeZone zone(mesh, feet, tangled, zone_steps);
-  context.checkpoint();
-  Lessener lessener(zone, points, test);
+  BridgeZone zone(mesh, feet, tangled, zone_steps, context);
+  Lessener lessener(zone, points, test, context);
   context.checkpoint();
   bool changed = false;
   for (int round = 0; round < most_crossing_rounds && lessener.run_crossings(tangled, context); ++round) changed = true;

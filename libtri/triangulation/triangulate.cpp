@@ -212,7 +212,7 @@ void finish(Candidate& candidate, const Measured& measured, const SurfaceTopolog
   context.checkpoint();
   SurfaceTopology found;
   tbb::parallel_invoke(
-      [&] { found = topology(candidate.mesh.triangles, candidate.mesh.neighbors); },
+      [&] { found = topology(candidate.mesh.triangles, candidate.mesh.neighbors, &context); },
       [&] { candidate.checks = check_triangulation(measured.points, measured.feet, candidate.mesh, &context); });
   candidate.checks.bridging = bridges.triangles;
   candidate.checks.bridging_share = bridges.share();

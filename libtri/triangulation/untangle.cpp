@@ -6,6 +6,7 @@
 #include "libtri/surfaces/crossing_search.hpp"
 #include "libtri/triangulation/shell/edit_mesh.hpp"
 #include "meshops/crossings/self_intersections.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/search/overlap_tree.hpp"
 
@@ -22,29 +23,41 @@ using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 /// Works on the triangles around the crossings only: a mesh of millions with a few crossings costs little more than finding them.
 class Untangler {
  public:
-  Untangler(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh, const Pairs& pairs)
-      : points_(points), feet_(feet), parts_(points.size()) {
-    for (const Triangle& t : mesh.triangles) parts_.join(t[0], t[1]), parts_.join(t[0], t[2]);
+  /// @param mesh  its triangles are here for as long as this lives
+  Untangler(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh, const Context& context)
+      : points_(points), feet_(feet), mesh_(mesh), context_(context), parts_(points.size()) {
+    edit_.creases.assign(mesh.triangles.size(), 0);
+    edit_.vertices.resize(points.size());
     edit_.triangles = std::move(mesh.triangles);
     edit_.neighbors = std::move(mesh.neighbors);
-    edit_.creases.assign(edit_.triangles.size(), 0);
-    edit_.vertices.resize(points.size());
+  }
+  Untangler(const Untangler&) = delete;
+  Untangler& operator=(const Untangler&) = delete;
+  ~Untangler() {
+    mesh_.triangles = std::move(edit_.triangles);
+    mesh_.neighbors = std::move(edit_.neighbors);
+  }
+
+  void prepare(const Pairs& pairs) {
+    Pace pace(context_);
+    for (const Triangle& t : edit_.triangles) pace(), parts_.join(t[0], t[1]), parts_.join(t[0], t[2]);
+    context_.checkpoint();
     edit_.index_vertices();
     collect_zone(pairs);
-    search_.emplace(points_, edit_.triangles, zone_);
+    search_.emplace(points_, edit_.triangles, zone_, &context_);
   }
 
   /// Crossing pairs among the triangles of the zone.
-  Pairs crossings(const Context& context) const {
+  Pairs crossings() const {
     std::vector<Triangle> local;
     for (std::uint32_t t : zone_) local.push_back(edit_.triangles[t]);
-    Pairs pairs = self_intersections(points_, local, context);
+    Pairs pairs = self_intersections(points_, local, context_);
     for (auto& pair : pairs)
       for (std::uint32_t& t : pair) t = zone_[t];
     return pairs;
   }
 
-  std::size_t round(const Pairs& pairs, const Context& context) {
+  std::size_t round(const Pairs& pairs) {
     search_->refresh();
     std::vector<std::uint32_t> tangled;
     for (const auto& pair : pairs)
@@ -54,7 +67,7 @@ class Untangler {
     std::size_t flips = 0;
     for (std::uint32_t t : tangled) {
       if (flips >= most_flips_a_round) break;
-      context.checkpoint();
+      context_.checkpoint();
       int best_side = -1;
       long best_gain = 0;
       for (int k = 0; k < 3; ++k) {
@@ -69,11 +82,6 @@ class Untangler {
       ++flips;
     }
     return flips;
-  }
-
-  void give_back(PointMesh& mesh) {
-    mesh.triangles = std::move(edit_.triangles);
-    mesh.neighbors = std::move(edit_.neighbors);
   }
 
  private:
@@ -91,8 +99,9 @@ class Untangler {
         boxes.push_back(box);
       }
     }
-    const OverlapTree around(std::move(boxes), std::move(ids));
-    for (std::uint32_t t = 0; t < edit_.triangles.size(); ++t) {
+    const OverlapTree around(std::move(boxes), std::move(ids), &context_);
+    Pace pace(context_);
+    for (std::uint32_t t = 0; t < edit_.triangles.size(); ++t, pace()) {
       bool near = false;
       around.overlapping(box_of(edit_.triangles[t]), 0, [&](std::uint32_t) { near = true; });
       if (near) zone_.push_back(t);
@@ -136,6 +145,8 @@ class Untangler {
 
   std::span<const Vec3> points_;
   std::span<const Foot> feet_;
+  PointMesh& mesh_;
+  const Context& context_;
   EditMesh edit_;
   DisjointSets parts_;  // of vertices that triangles connect
   std::vector<std::uint32_t> zone_;  // ascending
@@ -151,19 +162,14 @@ std::vector<std::array<std::uint32_t, 2>> untangle(std::span<const Vec3> points,
   context.checkpoint();
   std::size_t flips = 0;
   {
-    Untangler untangler(points, feet, mesh, pairs);
-    try {
-      for (int round = 0; round < most_untangling_rounds && !pairs.empty(); ++round) {
-        const std::size_t now = untangler.round(pairs, context);
-        if (now == 0) break;
-        flips += now;
-        pairs = untangler.crossings(context);
-      }
-    } catch (...) {
-      untangler.give_back(mesh);
-      throw;
+    Untangler untangler(points, feet, mesh, context);
+    untangler.prepare(pairs);
+    for (int round = 0; round < most_untangling_rounds && !pairs.empty(); ++round) {
+      const std::size_t now = untangler.round(pairs);
+      if (now == 0) break;
+      flips += now;
+      pairs = untangler.crossings();
     }
-    untangler.give_back(mesh);
   }
   return flips > 0 ? self_intersections(points, mesh.triangles, context) : pairs;
 }

@@ -1,5 +1,7 @@
 #include "meshops/operators/remesh.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -472,7 +474,9 @@ class Remesher {
       for (const std::uint32_t t : pair)
         for (const std::uint32_t v : now.triangles()[t]) moves = moves || moves_[v], moves_[v] = 0;
       any = any || moves;
-      crossings_ += 1;
+      if (++crossings_ > 1) continue;
+      const Triangle& t = now.triangles()[pair[0]];
+      crossing_at_ = (places[t[0]] + places[t[1]] + places[t[2]]) / 3.0;
     }
     return any;
   }
@@ -514,8 +518,8 @@ class Remesher {
     report_.figures["edges in range"] = edges > 0 ? in_range / edges : 1;
     if (crossings_ > 0) report_.figures["crossing pairs"] = static_cast<double>(crossings_);
     if (crossings_ > crossings_before_)
-      report_.notes.push_back(std::to_string(crossings_) + " pairs of triangles cross, " +
-                              std::to_string(crossings_before_) + " did before");
+      report_.notes.push_back(fmt::format("{} pairs of triangles cross, {} did before; one at ({:.6g}, {:.6g}, {:.6g})",
+                                          crossings_, crossings_before_, crossing_at_[0], crossing_at_[1], crossing_at_[2]));
     report_.figures["length"] = options_.adaptive && edges > 0 ? aim / edges : lengths_.longest();
     before_.compare(view_, report_, &context_);
     if (bounded() && !report_.unchanged()) report_distance(before_, view_, report_, context_);
@@ -546,6 +550,7 @@ class Remesher {
   int round_ = 0;
   double share_ = 0;
   std::size_t crossings_before_ = 0, crossings_ = 0;  ///< pairs of triangles
+  Vec3 crossing_at_{0, 0, 0};                         ///< the middle of one of them
   std::optional<CrossingGuard> guard_;
 
   const MeshBefore before_;
