@@ -1,5 +1,6 @@
-// How soon a cancel from another thread is heeded: for every registered operator, on a mesh of two million faces that gives it
-// work, as a plain run and recorded (where an undo follows), and for `repair`. The table is explained in cancel_watch.hpp.
+// How soon a cancel from another thread is heeded: for every registered operator, on a mesh of two million faces that
+// gives it work, as a plain run and recorded (where an undo follows), and for `repair`. The table is explained in
+// cancel_watch.hpp.
 //
 //     bench_cancel [NAME...]        TRI_BENCH_FACES=200000 for smaller meshes
 #define DOCTEST_CONFIG_IMPLEMENT
@@ -53,7 +54,8 @@ constexpr Work works[] = {
 };
 
 std::uint32_t cells() {
-  return static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(environment("TRI_BENCH_FACES", 2'000'000)) / 2)));
+  return static_cast<std::uint32_t>(
+      std::lround(std::sqrt(static_cast<double>(environment("TRI_BENCH_FACES", 2'000'000)) / 2)));
 }
 
 const Soup& damaged() {
@@ -61,7 +63,8 @@ const Soup& damaged() {
   return soup;
 }
 
-/// With holes, gaps, some elements marked as deleted, and a region of vertices; `from` the damaged soup for soup operators.
+/// With holes, gaps, some elements marked as deleted, and a region of vertices; `from` the damaged soup for soup
+/// operators.
 const Mesh& with_holes() {
   static const std::unique_ptr<BuiltMesh> built = [] {
     Context context;
@@ -81,7 +84,8 @@ const Mesh& with_holes() {
     OpenMesh::VPropHandleT<int> region;
     mesh.add_property(region, "region");
     for (int v = 0; v < static_cast<int>(mesh.n_vertices()); ++v)  // a fifth of the torus, in eight patches
-      mesh.property(region, VertexHandle(v)) = v % (static_cast<int>(mesh.n_vertices()) / 8) < static_cast<int>(mesh.n_vertices()) / 40;
+      mesh.property(region, VertexHandle(v)) =
+          v % (static_cast<int>(mesh.n_vertices()) / 8) < static_cast<int>(mesh.n_vertices()) / 40;
     return made;
   }();
   return built->mesh;
@@ -106,7 +110,8 @@ std::string state_of(const OpenMesh::TriConnectivity& mesh) {
 }
 
 bool same(const Soup& a, const Soup& b) {
-  return a.points == b.points && a.triangles == b.triangles && a.vertex_scalars == b.vertex_scalars && a.face_scalars == b.face_scalars;
+  return a.points == b.points && a.triangles == b.triangles && a.vertex_scalars == b.vertex_scalars &&
+         a.face_scalars == b.face_scalars;
 }
 
 using Options = std::shared_ptr<void>;
@@ -119,22 +124,25 @@ Case on_soup(const std::string& name, const std::function<void(Soup&, Context&)>
           }};
 }
 
-Case on_mesh(const std::string& name, const Mesh& (*input)(), const Operator& op, const Options& options, bool recorded) {
-  return {name, [input, &op, options, recorded] {
-            auto mesh = std::make_shared<Mesh>(input());
-            const auto run = [mesh, &op, options, recorded](Context& c) {
-              if (recorded)
-                record(view_of(*mesh), [&](MeshView view) { return op.run(view, options.get(), c); }, Recording::undoable, &c);
-              else
-                op.run(view_of(*mesh), options.get(), c);
-            };
-            const auto check = [mesh, input, recorded]() -> std::string {
-              if (!recorded) return state_of(*mesh);
-              Mesh before = input();
-              return tri::test::snapshot(view_of(*mesh)) == tri::test::snapshot(view_of(before)) ? "as it was" : "CHANGED";
-            };
-            return Case::Job{run, check};
-          }};
+Case on_mesh(const std::string& name, const Mesh& (*input)(), const Operator& op, const Options& options,
+             bool recorded) {
+  return {
+      name, [input, &op, options, recorded] {
+        auto mesh = std::make_shared<Mesh>(input());
+        const auto run = [mesh, &op, options, recorded](Context& c) {
+          if (recorded)
+            record(
+                view_of(*mesh), [&](MeshView view) { return op.run(view, options.get(), c); }, Recording::undoable, &c);
+          else
+            op.run(view_of(*mesh), options.get(), c);
+        };
+        const auto check = [mesh, input, recorded]() -> std::string {
+          if (!recorded) return state_of(*mesh);
+          Mesh before = input();
+          return tri::test::snapshot(view_of(*mesh)) == tri::test::snapshot(view_of(before)) ? "as it was" : "CHANGED";
+        };
+        return Case::Job{run, check};
+      }};
 }
 
 Case conversion(const Operator& op, const Options& options) {
@@ -187,7 +195,8 @@ std::vector<Case> all_cases() {
       }
     }
   }
-  for (const auto& [name, goal] : {std::pair{"repair solid", RepairGoal::solid}, {"repair surface", RepairGoal::surface}})
+  for (const auto& [name, goal] :
+       {std::pair{"repair solid", RepairGoal::solid}, {"repair surface", RepairGoal::surface}})
     cases.push_back(on_soup(name, [goal](Soup& s, Context& c) { repair(s, {.goal = goal}, c); }));
   return cases;
 }

@@ -1,5 +1,5 @@
-// How soon a cancel from another thread is heeded by what works on points and a model: index, registration, alignment and
-// triangulation of a million points on the boot lid. The table is explained in cancel_watch.hpp.
+// How soon a cancel from another thread is heeded by what works on points and a model: index, registration, alignment
+// and triangulation of a million points on the boot lid. The table is explained in cancel_watch.hpp.
 //
 //     bench_cancel_cad [NAME...]        TRI_BENCH_POINTS=100000 for fewer points
 #include <memory>
@@ -51,12 +51,14 @@ std::vector<Case> all_cases() {
   std::vector<Case> cases{a_case("index", [&in](Context& c) { Registration(in.model, c); }),
                           a_case("register", [&in](Context& c) { in.registration.register_points(in.points, c); })};
   for (const auto& [name, mode] : {std::pair{"align", AlignMode::automatic}, std::pair{"align icp", AlignMode::icp}}) {
-    cases.push_back(a_case(name, [&in, mode = mode](Context& c) { align(in.model, in.registration, in.points, {}, {.mode = mode}, c); }));
+    cases.push_back(a_case(
+        name, [&in, mode = mode](Context& c) { align(in.model, in.registration, in.points, {}, {.mode = mode}, c); }));
     cases.push_back(a_case(std::string(name) + " (moved)", [&in, mode = mode](Context& c) {
       align(in.model, in.registration, in.moved, {}, {.mode = mode}, c);
     }));
   }
-  for (const auto& [name, method] : {std::pair{"triangulate", Method::automatic}, std::pair{"triangulate shell", Method::shell}})
+  for (const auto& [name, method] :
+       {std::pair{"triangulate", Method::automatic}, std::pair{"triangulate shell", Method::shell}})
     cases.push_back(a_case(name, [&in, method = method](Context& c) {
       triangulate(in.model, in.registration, in.points, {.method = method}, c);
     }));
@@ -68,4 +70,6 @@ std::vector<Case> all_cases() {
 
 }  // namespace
 
-int main(int argc, char** argv) { measure_chosen(all_cases(), argc, argv); }
+int main(int argc, char** argv) {
+  measure_chosen(all_cases(), argc, argv);
+}

@@ -106,8 +106,7 @@ void flip_by(benchmark::State& state, FlipRule rule, const char* check) {
   });
 }
 
-void subdivide_by(benchmark::State& state, SubdivisionScheme scheme,
-                  SubdivisionGuard guard = SubdivisionGuard::folds) {
+void subdivide_by(benchmark::State& state, SubdivisionScheme scheme, SubdivisionGuard guard = SubdivisionGuard::folds) {
   ours(state, [&](Mesh& mesh, Context& context) {
     subdivide(view_of(mesh), {.scheme = scheme, .guard = guard, .feature_angle = std::numbers::pi}, context);
     return static_cast<double>(mesh.n_faces());

@@ -1,6 +1,6 @@
-// A binary STL file of 2M triangles to a welded half-edge mesh: read_mesh and build_mesh; the peer is ADMesh, which reads and
-// repairs (exact neighbours, then all fixes it would do by default). The goal is at most 0.7 of its time. `check` is the number of
-// triangles with three neighbours.
+// A binary STL file of 2M triangles to a welded half-edge mesh: read_mesh and build_mesh; the peer is ADMesh, which
+// reads and repairs (exact neighbours, then all fixes it would do by default). The goal is at most 0.7 of its time.
+// `check` is the number of triangles with three neighbours.
 
 #include <admesh/stl.h>
 #include <benchmark/benchmark.h>
@@ -25,7 +25,8 @@ const std::string& file_of_two_million() {
     for (std::uint32_t i = 0; i < n; ++i) {
       for (std::uint32_t k = 0; k < n; ++k) {
         const double a = 2 * std::numbers::pi * i / n, b = 2 * std::numbers::pi * k / n, r = 10 + std::sin(20 * a);
-        soup.points.emplace_back((30 + r * std::cos(b)) * std::cos(a), (30 + r * std::cos(b)) * std::sin(a), r * std::sin(b));
+        soup.points.emplace_back((30 + r * std::cos(b)) * std::cos(a), (30 + r * std::cos(b)) * std::sin(a),
+                                 r * std::sin(b));
       }
     }
     const auto at = [](std::uint32_t i, std::uint32_t k) { return i % n * n + k % n; };

@@ -1,6 +1,6 @@
-// Self-intersections of 1M triangles: all pairs, exactly, neighbours included; the peer is CGAL's does_self_intersect, which
-// stops at the first pair, so both run on a surface that has none. The goal is no more than its time. `check` is the number of
-// pairs.
+// Self-intersections of 1M triangles: all pairs, exactly, neighbours included; the peer is CGAL's does_self_intersect,
+// which stops at the first pair, so both run on a surface that has none. The goal is no more than its time. `check` is
+// the number of pairs.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
@@ -26,7 +26,8 @@ const Soup& torus() {
     for (std::uint32_t i = 0; i < n; ++i) {
       for (std::uint32_t k = 0; k < m; ++k) {
         const double a = 2 * std::numbers::pi * i / n, b = 2 * std::numbers::pi * k / m, r = 10 + std::sin(20 * a);
-        s.points.emplace_back((30 + r * std::cos(b)) * std::cos(a), (30 + r * std::cos(b)) * std::sin(a), r * std::sin(b));
+        s.points.emplace_back((30 + r * std::cos(b)) * std::cos(a), (30 + r * std::cos(b)) * std::sin(a),
+                              r * std::sin(b));
       }
     }
     const auto at = [](std::uint32_t i, std::uint32_t k) { return i % n * m + k % m; };

@@ -1,5 +1,6 @@
-// The main job on the boot lid beside CGAL's advancing front, which knows no model. Names: triangulate/<points>/<method>
-// and advancing-front/<points>. 200,000 points by default; another number comes from the environment, as in
+// The main job on the boot lid beside CGAL's advancing front, which knows no model. Names:
+// triangulate/<points>/<method> and advancing-front/<points>. 200,000 points by default; another number comes from the
+// environment, as in
 //   TRI_BENCH_POINTS=1000000 bench_triangulate
 // The counter `triangles` is the check value. Reading the points from a text file and writing the mesh are timed as
 // well, as the program does both: read-points/<points>, write-mesh/<points>.

@@ -1,5 +1,5 @@
-// Recording and undoing changes of a mesh of two million faces; beside it, a copy of the whole mesh, which is what undo costs
-// without a recording. The check value is the number of faces that the change set names.
+// Recording and undoing changes of a mesh of two million faces; beside it, a copy of the whole mesh, which is what undo
+// costs without a recording. The check value is the number of faces that the change set names.
 
 #include <benchmark/benchmark.h>
 
@@ -21,7 +21,8 @@ Mesh& big_mesh() {
     auto m = std::make_unique<Mesh>();
     for (int y = 0; y <= columns; ++y)
       for (int x = 0; x <= columns; ++x) m->add_vertex(Vec3(x, y, std::sin(0.01 * x) * std::cos(0.013 * y)));
-    m->reserve(m->n_vertices(), static_cast<std::size_t>(3 * columns * columns + 2 * columns), static_cast<std::size_t>(2 * columns * columns));
+    m->reserve(m->n_vertices(), static_cast<std::size_t>(3 * columns * columns + 2 * columns),
+               static_cast<std::size_t>(2 * columns * columns));
     for (int y = 0; y < columns; ++y)
       for (int x = 0; x < columns; ++x) {
         const int a = y * (columns + 1) + x, b = a + 1, c = b + columns + 1, d = c - 1;
@@ -53,7 +54,8 @@ EdgeHandle inner_edge(int i) {
 }
 
 void report(benchmark::State& state, const ChangeSet& change) {
-  state.counters["check"] = static_cast<double>(change.notes().faces.relinked.size() + change.notes().faces.added.size());
+  state.counters["check"] =
+      static_cast<double>(change.notes().faces.relinked.size() + change.notes().faces.added.size());
 }
 
 template <class Edit>
@@ -77,7 +79,8 @@ void flip_one_notes(benchmark::State& state) {
   ChangeSet change;
   const EdgeHandle e = inner_edge(500);
   for (auto _ : state) {
-    change = record(mesh, [&](MeshView view) { flip_edge(view, e); }, Recording::notes_only);
+    change = record(
+        mesh, [&](MeshView view) { flip_edge(view, e); }, Recording::notes_only);
     flip_edge(view_of(mesh), e);  // back
   }
   report(state, change);
@@ -96,7 +99,8 @@ BENCHMARK(split_thousand)->Name("undo/split-1000/2M")->Unit(benchmark::kMicrosec
 
 void move_all(benchmark::State& state) {
   record_and_undo(state, [](MeshView view) {
-    for (int i = 0; i < static_cast<int>(view.mesh.n_vertices()); ++i) set_point(view, VertexHandle(i), view.point(VertexHandle(i)) * 1.0000001);
+    for (int i = 0; i < static_cast<int>(view.mesh.n_vertices()); ++i)
+      set_point(view, VertexHandle(i), view.point(VertexHandle(i)) * 1.0000001);
   });
 }
 BENCHMARK(move_all)->Name("undo/move-all/2M")->Unit(benchmark::kMillisecond);

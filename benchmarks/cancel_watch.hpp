@@ -23,14 +23,14 @@
 
 // How soon a cancel from another thread is heeded, for the benchmarks that ask that.
 //
-// A line of the table, in milliseconds. `silence`: the longest time without a checkpoint in a run to the end, from the start to
-// the return, and the step in which it ended. `5%` to `95%`: from a request at that share of the run's time to the return,
-// whatever unwinding and undoing takes; the worst of TRI_BENCH_REPEATS (1) tries. `-`: the run had ended. `after`: what there is
-// has been looked at after every cancel: "valid", "as it was" (bit for bit), or what is wrong. `progress`: "ends" if every step's
-// share went up to 1 without going back.
+// A line of the table, in milliseconds. `silence`: the longest time without a checkpoint in a run to the end, from the
+// start to the return, and the step in which it ended. `5%` to `95%`: from a request at that share of the run's time to
+// the return, whatever unwinding and undoing takes; the worst of TRI_BENCH_REPEATS (1) tries. `-`: the run had ended.
+// `after`: what there is has been looked at after every cancel: "valid", "as it was" (bit for bit), or what is wrong.
+// `progress`: "ends" if every step's share went up to 1 without going back.
 //
-// Every time is the lesser of the time on the clock and the processor time that all threads together took: so what other
-// programs do on the machine does not count.
+// Every time is the lesser of the time on the clock and the processor time that all threads together took: so what
+// other programs do on the machine does not count.
 namespace tri::cancel_watch {
 
 /// A time on the clock and the processor time of all threads up to it.
@@ -46,7 +46,8 @@ struct Moment {
 };
 
 inline double ms_between(const Moment& a, const Moment& b) {
-  return std::min(std::chrono::duration<double, std::milli>(b.clock - a.clock).count(), b.processor_ms - a.processor_ms);
+  return std::min(std::chrono::duration<double, std::milli>(b.clock - a.clock).count(),
+                  b.processor_ms - a.processor_ms);
 }
 
 inline constexpr double moments[] = {0.05, 0.25, 0.5, 0.75, 0.95};
@@ -128,7 +129,8 @@ inline Outcome run(const Case::Job& job, Context& context, std::optional<double>
     ended = true;
   });
   if (cancel_after_ms) {
-    while (!ended && ms_between(start, Moment()) < *cancel_after_ms) std::this_thread::sleep_for(std::chrono::microseconds(300));
+    while (!ended && ms_between(start, Moment()) < *cancel_after_ms)
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
     start = Moment();
     context.cancel();
   }
@@ -164,7 +166,8 @@ inline void measure(const Case& what) {
       if (!outcome.error.empty()) after = outcome.error;
       if (!outcome.cancelled) continue;
       longest = std::max(longest, outcome.ms);
-      if (const std::string state = job.check(); after == "-" || (state != "valid" && state != "as it was")) after = state;
+      if (const std::string state = job.check(); after == "-" || (state != "valid" && state != "as it was"))
+        after = state;
     }
     worst = std::max(worst, longest);
     line += longest < 0 ? "     -" : fmt::format(" {:5.0f}", longest);
@@ -184,7 +187,8 @@ inline void measure_chosen(const std::vector<Case>& cases, int argc, char** argv
   const std::vector<std::string> wanted(argv + 1, argv + argc);
   print_head();
   for (const Case& c : cases)
-    if (wanted.empty() || std::ranges::any_of(wanted, [&](const std::string& w) { return c.name.starts_with(w); })) measure(c);
+    if (wanted.empty() || std::ranges::any_of(wanted, [&](const std::string& w) { return c.name.starts_with(w); }))
+      measure(c);
 }
 
 }  // namespace tri::cancel_watch

@@ -84,7 +84,8 @@ inline Soup damaged_torus(std::uint32_t n) {
   }
   for (std::uint32_t s = 0; s < n; ++s) {  // tetrahedra, some through the surface
     const Vec3 at = soup.points[s * std::size_t{n} + s] * 1.03;
-    const std::uint32_t a = point(at), b = point(at + Vec3(0.3, 0, 0)), c = point(at + Vec3(0, 0.3, 0)), d = point(at + Vec3(0, 0, 0.3));
+    const std::uint32_t a = point(at), b = point(at + Vec3(0.3, 0, 0)), c = point(at + Vec3(0, 0.3, 0)),
+                        d = point(at + Vec3(0, 0, 0.3));
     for (const Triangle& side : {Triangle{a, c, b}, Triangle{a, b, d}, Triangle{b, c, d}, Triangle{c, a, d}})
       soup.triangles.push_back(side);
   }

@@ -39,12 +39,12 @@ std::string unit_option(const AlignResult& result, double factor);
 /// @throws Error with numbers if the points do not fit the model. @param factor as `unit_option`
 void require_fit(const AlignResult& result, double factor);
 
-/// Moves points and normals onto the model as the options say, not at all where they are to be taken as they are. Centres
-/// of a probe's ball become the places that it touched.
+/// Moves points and normals onto the model as the options say, not at all where they are to be taken as they are.
+/// Centres of a probe's ball become the places that it touched.
 /// @param normals  of the points, or empty @param factor  as `unit_option`
 /// @throws Error if they do not fit, and as `align_options` and `align`
-std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model, const Registration& registration,
-                                        std::vector<Vec3>& points, std::vector<Vec3>& normals, double factor,
-                                        Context& context);
+std::optional<AlignResult> align_points(const AlignInput& input, const CadModel& model,
+                                        const Registration& registration, std::vector<Vec3>& points,
+                                        std::vector<Vec3>& normals, double factor, Context& context);
 
 }  // namespace tri::cli

@@ -41,8 +41,8 @@ int run(const AlignArguments& a, Program& program) {
   const AlignResult result = align(model, registration, set.points, set.normals, options, context);
   context.checkpoint();
 
-  nlohmann::ordered_json given{{"cad", a.model.path},        {"points", a.points}, {"sew", a.model.sew}, {"metric", a.metric},
-                               {"keep", a.keep}};
+  nlohmann::ordered_json given{
+      {"cad", a.model.path}, {"points", a.points}, {"sew", a.model.sew}, {"metric", a.metric}, {"keep", a.keep}};
   given.update(to_json(a.align));
   given.update(to_json(a.units, file));
   given.update(to_json(a.preparation));
@@ -75,22 +75,31 @@ void add_align_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("align", "Move measured points onto a CAD model, from any pose");
   const auto a = std::make_shared<AlignArguments>();
   add_model_options(*command, a->model);
-  command->add_option("points", a->points, "Measured points in any pose: any file that `tri info` knows as points, or \"-\"")
+  command
+      ->add_option("points", a->points,
+                   "Measured points in any pose: any file that `tri info` knows as points, or \"-\"")
       ->required();
-  command->add_option("-o,--output", a->output, "The points in the model's frame, in their order: .xyz, .txt, .asc, .csv, .ply or .pcd, in mm")
+  command
+      ->add_option("-o,--output", a->output,
+                   "The points in the model's frame, in their order: .xyz, .txt, .asc, .csv, .ply or .pcd, in mm")
       ->required()
       ->type_name("FILE");
-  command->add_option("--write-pose", a->pose, "Write the pose as JSON: a 4x4 matrix that takes the points to the model")
+  command
+      ->add_option("--write-pose", a->pose, "Write the pose as JSON: a 4x4 matrix that takes the points to the model")
       ->type_name("FILE");
-  command->add_option("--report", a->report, "Write the pose and how far it can be trusted, as JSON")->type_name("FILE");
+  command->add_option("--report", a->report, "Write the pose and how far it can be trusted, as JSON")
+      ->type_name("FILE");
   add_align_options(*command, a->align);
   command
-      ->add_option("--metric", a->metric,
-                   "plane: distance along the surface's normal; point: distance to the closest point, solved by SVD, in many "
-                   "more steps")
+      ->add_option(
+          "--metric", a->metric,
+          "plane: distance along the surface's normal; point: distance to the closest point, solved by SVD, in many "
+          "more steps")
       ->check(CLI::IsMember({"plane", "point"}))
       ->capture_default_str();
-  command->add_option("--keep", a->keep, "Share of the points that count in each step, those nearest to the model, in (0, 1]")
+  command
+      ->add_option("--keep", a->keep,
+                   "Share of the points that count in each step, those nearest to the model, in (0, 1]")
       ->check(CLI::Range(1e-6, 1.0))
       ->capture_default_str();
   add_units_option(*command, a->units);

@@ -1,5 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 
 #include "cli/commands.hpp"
 #include "io/mesh_file.hpp"
@@ -32,24 +33,29 @@ std::string check_text(const MeshCheck& c, const std::vector<std::pair<const cha
   text += c.watertight ? fmt::format(", volume {:.6g}\n", s.volume) : "\n";
   const auto number = [](std::uint32_t i) { return fmt::format("{}", i); };
   const auto pair = [](const std::array<std::uint32_t, 2>& e) { return fmt::format("{}-{}", e[0], e[1]); };
-  const auto loop = [](const std::vector<std::uint32_t>& l) { return fmt::format("{} edges at vertex {}", l.size(), l.front()); };
+  const auto loop = [](const std::vector<std::uint32_t>& l) {
+    return fmt::format("{} edges at vertex {}", l.size(), l.front());
+  };
   const auto line = [&](const char* name, std::uint64_t count, const char* what, const std::string& places) {
     if (count > 0) text += fmt::format("  {:<38} {:>9}  {}{}\n", name, with_commas(count), what, places);
   };
   line("boundary loops", s.boundary_loops, "", first_of(c.places.boundary_loops, loop));
   line("non-manifold edges", s.nonmanifold_edges, "vertices ", first_of(c.places.nonmanifold_edges, pair));
   line("non-manifold vertices", s.nonmanifold_vertices, "vertices ", first_of(c.places.nonmanifold_vertices, number));
-  line("edges whose triangles run the same way", s.misoriented_edges, "vertices ", first_of(c.places.misoriented_edges, pair));
+  line("edges whose triangles run the same way", s.misoriented_edges, "vertices ",
+       first_of(c.places.misoriented_edges, pair));
   line("shells inside out", c.inside_out.size(), "with triangle ", first_of(c.inside_out, number));
   line("degenerate triangles", c.degenerate.size(), "triangles ", first_of(c.degenerate, number));
   line("needle triangles (no defect)", c.needles.size(), "triangles ", first_of(c.needles, number));
   line("duplicate triangles", s.duplicate_triangles, "triangles ", first_of(c.places.duplicate_triangles, number));
   line("unreferenced vertices", s.unused_vertices, "vertices ", first_of(c.places.unused_vertices, number));
   line("unwelded seam edges", c.open_seams, "", "");
-  line("T-junctions", c.t_junctions.size(), "vertices ", first_of(c.t_junctions, [](const TJunction& j) { return fmt::format("{}", j.vertex); }));
+  line("T-junctions", c.t_junctions.size(), "vertices ",
+       first_of(c.t_junctions, [](const TJunction& j) { return fmt::format("{}", j.vertex); }));
   line("self-intersections", c.self_intersections.size(), "triangles ", first_of(c.self_intersections, pair));
   line("solids within solids (no defect)", c.nested_solids.size(), "with triangle ", first_of(c.nested_solids, number));
-  line("coincident vertices (no defect)", c.coincident_vertices.size(), "vertices ", first_of(c.coincident_vertices, pair));
+  line("coincident vertices (no defect)", c.coincident_vertices.size(), "vertices ",
+       first_of(c.coincident_vertices, pair));
   return text + (defects.empty() ? "nothing is wrong\n" : "");
 }
 
@@ -73,14 +79,16 @@ int run(const CheckArguments& a, Program& program) {
 void add_check_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("check", "Say what is wrong with a mesh, and where; exit code 1 if anything is");
   const auto a = std::make_shared<CheckArguments>();
-  command->add_option("mesh", a->input, "Mesh to read: PLY, STL, OBJ, OFF, 3MF or glTF; - for standard input")->required();
+  command->add_option("mesh", a->input, "Mesh to read: PLY, STL, OBJ, OFF, 3MF or glTF; - for standard input")
+      ->required();
   command->add_flag("--open", a->open, "The mesh is meant to be an open surface: its boundary is nothing wrong");
   command->add_option("--needle", a->needle, "Height over longest side below which a triangle is a needle")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   command->add_flag("--no-self-intersections", a->no_self_intersections, "Do not look for triangles that intersect");
   command->add_flag("--json", a->json, "Everything, with lists of places, as JSON on standard output");
-  command->add_option("--places", a->places, "How many places of each kind the JSON lists at most")->capture_default_str();
+  command->add_option("--places", a->places, "How many places of each kind the JSON lists at most")
+      ->capture_default_str();
   add_common_options(*command, program);
   command->footer(
       "Wrong are: boundary loops (unless --open), edges of three or more triangles, vertices of several fans, edges whose\n"

@@ -63,8 +63,9 @@ void add_info_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("info", "Say what matters about a mesh, points or a CAD file");
   const auto a = std::make_shared<InfoArguments>();
   command
-      ->add_option("file", a->input,
-                   "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF), points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) or CAD (IGES, STEP, BREP)")
+      ->add_option(
+          "file", a->input,
+          "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF), points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) or CAD (IGES, STEP, BREP)")
       ->required();
   command
       ->add_option("--as", a->kind, "What the file holds; auto goes by its name, and a PLY without faces holds points")

@@ -1,5 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 
 #include "cli/commands.hpp"
 #include "io/cad/cad_file.hpp"
@@ -28,7 +29,8 @@ int list(bool json) {
   }
   std::string text = fmt::format("{:<13} {:>5} {:>5} {:>5}\n", "", "faces", "loops", "Euler");
   for (const ExamplePart& part : example_parts())
-    text += fmt::format("{:<13} {:>5} {:>5} {:>5}  {}\n", part.name, part.faces, part.loops, part.euler, part.description);
+    text +=
+        fmt::format("{:<13} {:>5} {:>5} {:>5}  {}\n", part.name, part.faces, part.loops, part.euler, part.description);
   print_result(text);
   return exit_done;
 }
@@ -41,9 +43,12 @@ int write(const ModelArguments& a, Program& program) {
   for (const ExamplePart& part : example_parts()) {
     if (part.name != a.name) continue;
     if (a.json)
-      print_result(nlohmann::ordered_json{
-          {"file", a.output}, {"name", part.name}, {"faces", part.faces}, {"components", part.components},
-          {"loops", part.loops}, {"euler", part.euler}});
+      print_result(nlohmann::ordered_json{{"file", a.output},
+                                          {"name", part.name},
+                                          {"faces", part.faces},
+                                          {"components", part.components},
+                                          {"loops", part.loops},
+                                          {"euler", part.euler}});
     else
       print_result(fmt::format("{}: {} faces, {}\n", a.output, part.faces, part.description));
   }
@@ -70,7 +75,8 @@ void add_model_command(CLI::App& app, Program& program) {
       program.action = [a] { return list(a->json); };
       return;
     }
-    if (a->output.empty()) throw UsageError(fmt::format("say where to write: tri model {} -o {}.step", a->name, a->name));
+    if (a->output.empty())
+      throw UsageError(fmt::format("say where to write: tri model {} -o {}.step", a->name, a->name));
     require_extension(a->output, {"igs", "iges", "stp", "step", "brep"}, "the CAD file");
     std::string names;
     bool known = false;

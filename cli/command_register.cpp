@@ -1,6 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -41,7 +41,8 @@ struct Summary {
   std::vector<std::uint64_t> per_face;  // beside CadModel::faces
 };
 
-Summary summarise(const std::vector<Foot>& feet, const CadModel& model, const RegisterArguments& a, const Context& context) {
+Summary summarise(const std::vector<Foot>& feet, const CadModel& model, const RegisterArguments& a,
+                  const Context& context) {
   Summary s;
   s.far_distance = a.far > 0 ? a.far : far_share * model.diagonal;
   s.per_face.assign(model.faces.size(), 0);
@@ -83,8 +84,7 @@ Json report_json(const Summary& s, const CadModel& model, const RegisterArgument
             {"far", {{"distance", s.far_distance}, {"points", s.far.size()}, {"indices", s.far}}}};
   json["faces"] = Json::array();
   for (std::size_t f = 0; f < model.faces.size(); ++f)
-    json["faces"].push_back(
-        {{"face", model.faces[f].index}, {"name", model.faces[f].name}, {"points", s.per_face[f]}});
+    json["faces"].push_back({{"face", model.faces[f].index}, {"name", model.faces[f].name}, {"points", s.per_face[f]}});
   json["unusable_faces"] = Json::array();
   for (const UnusableFace& f : model.unusable_faces)
     json["unusable_faces"].push_back({{"face", f.index}, {"name", f.name}, {"reason", f.reason}});
@@ -112,9 +112,9 @@ void warn_of_far_points(const Summary& s) {
   if (s.far.empty()) return;
   const ValueStatistics& d = s.deviation;
   const bool below = -d.min > d.max;
-  std::string text = fmt::format(
-      "{} of {} points are farther than {:.4g} mm from the model, point {} by {:.4g} mm", with_commas(s.far.size()),
-      with_commas(d.count), s.far_distance, below ? d.min_index : d.max_index, below ? -d.min : d.max);
+  std::string text = fmt::format("{} of {} points are farther than {:.4g} mm from the model, point {} by {:.4g} mm",
+                                 with_commas(s.far.size()), with_commas(d.count), s.far_distance,
+                                 below ? d.min_index : d.max_index, below ? -d.min : d.max);
   if (2 * s.far.size() > d.count) text += "; are the points in the model's frame, and in the right --units?";
   print_note(text);
 }
@@ -165,7 +165,9 @@ void add_register_command(CLI::App& app, Program& program) {
   const auto a = std::make_shared<RegisterArguments>();
   add_model_options(*command, a->model);
   command
-      ->add_option("points", a->points, "Points: any file that `tri info` knows as points, or \"-\"; taken as they are unless --align or --pose says more")
+      ->add_option(
+          "points", a->points,
+          "Points: any file that `tri info` knows as points, or \"-\"; taken as they are unless --align or --pose says more")
       ->required();
   command->add_option("-o,--output", a->output, "Where each point lies: .csv, or .ply with the same as properties")
       ->required()

@@ -93,8 +93,9 @@ void add_render_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("render", "Draw a mesh into a PNG picture; needs no display");
   const auto a = std::make_shared<RenderArguments>();
   command
-      ->add_option("mesh", a->input,
-                   "Mesh: PLY, STL, OBJ, OFF, 3MF or glTF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")
+      ->add_option(
+          "mesh", a->input,
+          "Mesh: PLY, STL, OBJ, OFF, 3MF or glTF; points (XYZ, CSV, PCD, a PLY without faces) are drawn as dots")
       ->required();
   command->add_option("-o,--output", a->output, "Picture to write, .png")->required();
   command->add_flag("--edges", a->options.edges, "Draw the edges of the triangles, and rims in red");

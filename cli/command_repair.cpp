@@ -1,5 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/report_text.hpp"
@@ -23,15 +24,17 @@ RepairGoal goal_of(const std::string& name) {
   return name == "surface" ? RepairGoal::surface : RepairGoal::automatic;
 }
 
-std::string point_text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
+std::string point_text(const Vec3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
 
 /// The first few; JSON has more.
 std::string places_text(const std::vector<RepairPlace>& places) {
   constexpr std::size_t shown = 3;
   std::string text;
   for (std::size_t i = 0; i < std::min(shown, places.size()); ++i)
-    text += fmt::format("{}{} {} {}", i == 0 ? "  at " : ", ", places[i].is_triangle ? "triangle" : "vertex", places[i].index,
-                        point_text(places[i].at));
+    text += fmt::format("{}{} {} {}", i == 0 ? "  at " : ", ", places[i].is_triangle ? "triangle" : "vertex",
+                        places[i].index, point_text(places[i].at));
   return text.empty() ? text : text + (places.size() > shown ? " …\n" : "\n");
 }
 
@@ -77,19 +80,24 @@ int run(const RepairArguments& a, Program& program) {
   for (std::size_t i = 0; i < result.steps.size(); ++i) {
     json["steps"].push_back(to_json(result.steps[i]));
     for (const RepairPlace& p : result.places[i])
-      json["steps"].back()["places"].push_back({{p.is_triangle ? "triangle" : "vertex", p.index}, {"at", {p.at[0], p.at[1], p.at[2]}}});
+      json["steps"].back()["places"].push_back(
+          {{p.is_triangle ? "triangle" : "vertex", p.index}, {"at", {p.at[0], p.at[1], p.at[2]}}});
   }
   if (result.deviation) {
     const RepairDeviation& d = *result.deviation;
-    json["deviation"] = {{"lost", d.lost}, {"lost_at", {d.lost_at[0], d.lost_at[1], d.lost_at[2]}},
-                         {"added", d.added}, {"added_at", {d.added_at[0], d.added_at[1], d.added_at[2]}}};
+    json["deviation"] = {{"lost", d.lost},
+                         {"lost_at", {d.lost_at[0], d.lost_at[1], d.lost_at[2]}},
+                         {"added", d.added},
+                         {"added_at", {d.added_at[0], d.added_at[1], d.added_at[2]}}};
   }
   std::string text = fmt::format("goal: a {}\n", result.goal == RepairGoal::solid ? "solid" : "surface");
-  for (std::size_t i = 0; i < result.steps.size(); ++i) text += to_text(result.steps[i]) + places_text(result.places[i]);
+  for (std::size_t i = 0; i < result.steps.size(); ++i)
+    text += to_text(result.steps[i]) + places_text(result.places[i]);
   if (result.deviation)
-    text += fmt::format("farthest from the result: {:.3g} of what was there, at {}; farthest from what was there: {:.3g}, at {}\n",
-                        result.deviation->lost, point_text(result.deviation->lost_at), result.deviation->added,
-                        point_text(result.deviation->added_at));
+    text += fmt::format(
+        "farthest from the result: {:.3g} of what was there, at {}; farthest from what was there: {:.3g}, at {}\n",
+        result.deviation->lost, point_text(result.deviation->lost_at), result.deviation->added,
+        point_text(result.deviation->added_at));
   if (!result.changed) text += "nothing had to be repaired\n";
   if (!a.dry_run) {
     json["output"] = a.output;
@@ -102,8 +110,10 @@ int run(const RepairArguments& a, Program& program) {
                         with_commas(soup.triangles.size()));
   }
   if (!a.report.empty()) write_json(a.report, json);
-  if (a.json) print_result(json);
-  else print_result(text);
+  if (a.json)
+    print_result(json);
+  else
+    print_result(text);
   if (result.left > 0) print_note(fmt::format("{} defects could not be repaired", with_commas(result.left)));
   return result.left > 0 ? exit_failed : exit_done;
 }
@@ -114,11 +124,17 @@ void add_repair_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("repair", "Make a clean mesh of any triangles, and say what was done");
   const auto a = std::make_shared<RepairArguments>();
   command->add_option("in", a->input, "Mesh to read: PLY, STL, OBJ, OFF, 3MF or glTF")->required();
-  command->add_option("-o,--output", a->output, "Mesh to write; its ending (.ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp) gives the format");
-  command->add_option("--goal", a->goal, "solid: closed, no crossings; surface: open where it was open; auto: by the boundary")
+  command->add_option("-o,--output", a->output,
+                      "Mesh to write; its ending (.ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp) gives the format");
+  command
+      ->add_option("--goal", a->goal,
+                   "solid: closed, no crossings; surface: open where it was open; auto: by the boundary")
       ->check(CLI::IsMember({"auto", "solid", "surface"}))
       ->capture_default_str();
-  command->add_option("--max-deviation", a->max_deviation, "How far the surface may move, as a share of its diagonal: no place of it ends farther from the result, nor a place of the result farther from it, but for what closes holes. A step that would go beyond is undone and named, with exit code 1")
+  command
+      ->add_option(
+          "--max-deviation", a->max_deviation,
+          "How far the surface may move, as a share of its diagonal: no place of it ends farther from the result, nor a place of the result farther from it, but for what closes holes. A step that would go beyond is undone and named, with exit code 1")
       ->check(CLI::Range(0.0, 0.1))
       ->capture_default_str();
   command->add_option("--report", a->report, "Write every step to this file as JSON");

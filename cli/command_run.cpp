@@ -1,5 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/plugins_input.hpp"
@@ -108,9 +109,10 @@ void check_formats(const RunArguments& a, const Pipeline& pipeline) {
   }
   const std::string extension = file_extension(a.output);
   if (kind_of(a.output) == "mesh" && extension != "ply")
-    throw UsageError(fmt::format("\"{}\" is a mesh, and these are points: connecting them needs a model (tri triangulate "
-                                 "--cad)",
-                                 a.output));
+    throw UsageError(
+        fmt::format("\"{}\" is a mesh, and these are points: connecting them needs a model (tri triangulate "
+                    "--cad)",
+                    a.output));
   require_extension(a.output, points_extensions, "the points to write");
 }
 
@@ -126,8 +128,14 @@ int save_only(const RunArguments& a, const Pipeline& pipeline) {
 void add_run_command(CLI::App& app, Program& program) {
   auto* command = app.add_subcommand("run", "Run operators on a mesh or on points, one after another");
   const auto a = std::make_shared<RunArguments>();
-  auto* input = command->add_option("in", a->input, "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF) or points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) to read");
-  command->add_option("out", a->output, "File to write; its ending gives the format: mesh .ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp; points .xyz, .txt, .asc, .csv, .ply, .pcd")->needs(input);
+  auto* input = command->add_option(
+      "in", a->input,
+      "Mesh (PLY, STL, OBJ, OFF, 3MF, glTF) or points (XYZ, ASC, CSV, TXT, PTS, PLY, PCD, PTX, E57) to read");
+  command
+      ->add_option(
+          "out", a->output,
+          "File to write; its ending gives the format: mesh .ply, .stl, .obj, .off, .3mf, .glb, .gltf, .vtp; points .xyz, .txt, .asc, .csv, .ply, .pcd")
+      ->needs(input);
   command->add_option("--recipe", a->recipe, "Take the steps from this file, as --save writes it");
   command->add_option("--save", a->save, "Write the steps to this file; without IN and OUT nothing else is done");
   command->add_flag("--ascii", a->ascii, "Text instead of binary, for PLY and STL");

@@ -1,6 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <numbers>
 
 #include "cli/commands.hpp"
@@ -46,16 +46,22 @@ int run(const SampleArguments& a, Program& program) {
   const CadFile cad = read_cad_or_end(a.cad, context);
   const VirtualMeasurement m = measure(cad.shape, a.options, context);
   if (!program.quiet)
-    for (const int face : m.unusable_faces) print_note(fmt::format("face {} cannot be sampled and holds no point", face));
+    for (const int face : m.unusable_faces)
+      print_note(fmt::format("face {} cannot be sampled and holds no point", face));
   context.checkpoint();
   Context uncancelled;  // an interrupt between two files would leave half of the result
   if (!a.truth.empty()) write_truth(a.truth, m, uncancelled);
   if (!a.pose.empty()) write_json(a.pose, pose_json(m));
   write_points(a.output, {m.points, {}}, uncancelled);
   if (a.json) {
-    nlohmann::ordered_json json{{"points_file", a.output}, {"truth_file", nullptr},       {"pose_file", nullptr},
-                                {"points", m.points.size()}, {"spacing", m.spacing},      {"line_spacing", m.line_spacing},
-                                {"unusable_faces", m.unusable_faces}, {"drop_out_centres", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json json{{"points_file", a.output},
+                                {"truth_file", nullptr},
+                                {"pose_file", nullptr},
+                                {"points", m.points.size()},
+                                {"spacing", m.spacing},
+                                {"line_spacing", m.line_spacing},
+                                {"unusable_faces", m.unusable_faces},
+                                {"drop_out_centres", nlohmann::ordered_json::array()}};
     if (!a.truth.empty()) json["truth_file"] = a.truth;
     if (!a.pose.empty()) json["pose_file"] = a.pose;
     for (const Vec3& c : m.drop_out_centres) json["drop_out_centres"].push_back({c[0], c[1], c[2]});
@@ -74,7 +80,8 @@ int run(const SampleArguments& a, Program& program) {
 }  // namespace
 
 void add_sample_command(CLI::App& app, Program& program) {
-  auto* command = app.add_subcommand("sample", "Measure a CAD model virtually: points with noise, and the truth beside them");
+  auto* command =
+      app.add_subcommand("sample", "Measure a CAD model virtually: points with noise, and the truth beside them");
   const auto a = std::make_shared<SampleArguments>();
   MeasurementOptions& o = a->options;
   command->add_option("--cad", a->cad, "CAD model: IGES, STEP or BREP")->required()->type_name("FILE");
@@ -105,8 +112,10 @@ void add_sample_command(CLI::App& app, Program& program) {
       ->type_size(3)
       ->expected(1, 100000)
       ->type_name("X,Y,Z");
-  command->add_option("--view", a->flat_views, "Direction from the part to the sensor, which sees what is not hidden; may be "
-                                               "given several times. Default: all sides are measured")
+  command
+      ->add_option("--view", a->flat_views,
+                   "Direction from the part to the sensor, which sees what is not hidden; may be "
+                   "given several times. Default: all sides are measured")
       ->delimiter(',')
       ->type_size(3)
       ->expected(1, 100000)
@@ -137,7 +146,8 @@ void add_sample_command(CLI::App& app, Program& program) {
     options.views = in_threes(a->flat_views);
     options.drop_out_centres = in_threes(a->flat_centres);
     const bool places = options.drop_outs > 0 || !options.drop_out_centres.empty();
-    if (places && !(options.drop_out_radius > 0)) throw UsageError("--drop-outs and --drop-out-at need a radius: --drop-out MM");
+    if (places && !(options.drop_out_radius > 0))
+      throw UsageError("--drop-outs and --drop-out-at need a radius: --drop-out MM");
     if (!places && options.drop_out_radius > 0) options.drop_outs = 1;
     for (const Vec3& view : options.views)
       if (!(view.norm() > 0)) throw UsageError("--view 0,0,0 is no direction");

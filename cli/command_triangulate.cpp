@@ -1,6 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <optional>
 
@@ -32,12 +32,8 @@ struct TriangulateArguments {
 };
 
 nlohmann::ordered_json options_json(const TriangulateArguments& a, const PointsFileInfo& file) {
-  nlohmann::ordered_json json{{"cad", a.model.path},
-                              {"points", a.points},
-                              {"method", a.method},
-                              {"unmeasured", a.unmeasured},
-                              {"hole_size", a.hole_size},
-                              {"sew", a.model.sew},
+  nlohmann::ordered_json json{{"cad", a.model.path},        {"points", a.points},       {"method", a.method},
+                              {"unmeasured", a.unmeasured}, {"hole_size", a.hole_size}, {"sew", a.model.sew},
                               {"outlier_distance", nullptr}};
   if (a.outlier_distance > 0) json["outlier_distance"] = a.outlier_distance;
   json.update(to_json(a.align));
@@ -56,8 +52,8 @@ TriangulateOptions options_of(const TriangulateArguments& a) {
   return options;
 }
 
-void write(const std::string& path, Mesh& mesh, const PointSet& set, const PreparedPoints& prepared, const TriangulateArguments& a,
-           Program& program) {
+void write(const std::string& path, Mesh& mesh, const PointSet& set, const PreparedPoints& prepared,
+           const TriangulateArguments& a, Program& program) {
   Context uncancelled;  // an interrupt between two files would leave half of the result
   Soup soup = to_soup(view_of(mesh));
   carry_columns(soup, set, prepared.original);
@@ -107,45 +103,60 @@ int run(const TriangulateArguments& a, Program& program) {
   else
     print_result(summary(prepared) + (alignment ? alignment_text(*alignment) : "") +
                  triangulate_summary(result, model, set.points.size()) + fmt::format("{}: the mesh\n", a.output) +
-                 (result.patches ? fmt::format("{}: the mesh before stitching\n", a.patches) : "") +
-                 written);
+                 (result.patches ? fmt::format("{}: the mesh before stitching\n", a.patches) : "") + written);
   return exit_done;
 }
 
 }  // namespace
 
 void add_triangulate_command(CLI::App& app, Program& program) {
-  auto* command = app.add_subcommand("triangulate", "Make one mesh of a CAD file and unordered points measured on the part");
+  auto* command =
+      app.add_subcommand("triangulate", "Make one mesh of a CAD file and unordered points measured on the part");
   const auto a = std::make_shared<TriangulateArguments>();
   add_model_options(*command, a->model);
-  command->add_option("points", a->points, "Measured points in any pose: XYZ, ASC, CSV, TXT, PLY, PCD, PTX or E57, in any order")
+  command
+      ->add_option("points", a->points,
+                   "Measured points in any pose: XYZ, ASC, CSV, TXT, PLY, PCD, PTX or E57, in any order")
       ->required();
-  command->add_option("-o,--output", a->output, "Mesh to write: .ply (with point index, CAD face, u, v, deviation, and what the file says of each point), .stl, .obj, .off, .3mf, .glb, .gltf, .vtp")
+  command
+      ->add_option(
+          "-o,--output", a->output,
+          "Mesh to write: .ply (with point index, CAD face, u, v, deviation, and what the file says of each point), .stl, .obj, .off, .3mf, .glb, .gltf, .vtp")
       ->required()
       ->type_name("FILE");
   command
-      ->add_option("--report", a->reports, "Write what was made and what is missing: .html makes a page with the part to turn and its "
-                                           "deviation, any other name JSON. May be given for each")
+      ->add_option("--report", a->reports,
+                   "Write what was made and what is missing: .html makes a page with the part to turn and its "
+                   "deviation, any other name JSON. May be given for each")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command->add_option("--patches", a->patches, "Also write the mesh before stitching: one patch for each CAD face")
       ->type_name("FILE");
-  command->add_option("--method", a->method, "patches: Delaunay on each face, stitched at the edges; shell: insertion into the "
-                                             "model's own triangulation; auto: patches, and where its checks find something the better of both")
+  command
+      ->add_option("--method", a->method,
+                   "patches: Delaunay on each face, stitched at the edges; shell: insertion into the "
+                   "model's own triangulation; auto: patches, and where its checks find something the better of both")
       ->check(CLI::IsMember({"auto", "patches", "shell"}))
       ->capture_default_str();
-  command->add_option("--unmeasured", a->unmeasured, "Where nothing was measured: leave a hole, or span it by long triangles")
+  command
+      ->add_option("--unmeasured", a->unmeasured,
+                   "Where nothing was measured: leave a hole, or span it by long triangles")
       ->check(CLI::IsMember({"hole", "span"}))
       ->capture_default_str();
-  command->add_option("--hole-size", a->hole_size, "A gap is a hole when it holds a disc of more than so many local point "
-                                                   "spacings in radius")
+  command
+      ->add_option("--hole-size", a->hole_size,
+                   "A gap is a hole when it holds a disc of more than so many local point "
+                   "spacings in radius")
       ->check(above_zero())
       ->capture_default_str();
-  command->add_option("--noise", a->noise, "Standard deviation of the measurement in mm: points farther than 6 of them from "
-                                           "the model are outliers")
+  command
+      ->add_option("--noise", a->noise,
+                   "Standard deviation of the measurement in mm: points farther than 6 of them from "
+                   "the model are outliers")
       ->check(above_zero());
-  command->add_option("--outlier-distance", a->outlier_distance,
-                      "Points farther than this from the model, in mm, are outliers; default: by the points' own spread")
+  command
+      ->add_option("--outlier-distance", a->outlier_distance,
+                   "Points farther than this from the model, in mm, are outliers; default: by the points' own spread")
       ->check(above_zero())
       ->excludes("--noise");
   add_align_options(*command, a->align);

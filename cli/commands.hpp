@@ -4,7 +4,8 @@
 
 namespace tri::cli {
 
-/// Each adds one command to the application: its options, its help with an example, and what it does in `program.action`.
+/// Each adds one command to the application: its options, its help with an example, and what it does in
+/// `program.action`.
 void add_align_command(CLI::App& app, Program& program);
 void add_check_command(CLI::App& app, Program& program);
 void add_compare_command(CLI::App& app, Program& program);

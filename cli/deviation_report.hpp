@@ -26,8 +26,12 @@ struct DeviationReport {
 };
 
 /// The report as JSON, as a table with one line a face (and one for all) in CSV, and for a person.
-inline const char* name_of_one(const DeviationReport& r) { return r.triangles > 0 ? "vertex" : "point"; }
-inline const char* name_of_many(const DeviationReport& r) { return r.triangles > 0 ? "vertices" : "points"; }
+inline const char* name_of_one(const DeviationReport& r) {
+  return r.triangles > 0 ? "vertex" : "point";
+}
+inline const char* name_of_many(const DeviationReport& r) {
+  return r.triangles > 0 ? "vertices" : "points";
+}
 
 nlohmann::ordered_json deviation_json(const DeviationReport& report);
 std::string deviation_csv(const DeviationReport& report);

@@ -31,20 +31,16 @@ Info cad_info(const std::string& path, double sew_tolerance, Context& context) {
   for (const CadEdge& edge : model.edges) largest_tolerance = std::max(largest_tolerance, edge.tolerance);
 
   Info info;
-  info.json = {{"kind", "cad"},
-               {"format", file.format},
-               {"unit", file.unit},
-               {"unit_mm", file.unit_mm},
-               {"faces", file.faces},
-               {"shells", file.shells},
-               {"solids", file.solids},
-               {"products", file.products}};
+  info.json = {{"kind", "cad"},       {"format", file.format}, {"unit", file.unit},     {"unit_mm", file.unit_mm},
+               {"faces", file.faces}, {"shells", file.shells}, {"solids", file.solids}, {"products", file.products}};
   info.line("CAD model", file.format);
   if (!file.unit.empty())
-    info.line("unit", file.unit_mm == 1 ? file.unit : fmt::format("{} ({:.6g} mm); all below is in mm", file.unit, file.unit_mm));
+    info.line("unit", file.unit_mm == 1 ? file.unit
+                                        : fmt::format("{} ({:.6g} mm); all below is in mm", file.unit, file.unit_mm));
   if (!file.products.empty()) info.line("products", fmt::format("{}", fmt::join(file.products, ", ")));
-  info.line("faces", fmt::format("{} in {} solids, {} shells{}", file.faces, file.solids, file.shells,
-                                 file.solids == 0 && file.shells != 1 ? fmt::format(" (sewn at {} mm)", sew_tolerance) : ""));
+  info.line("faces",
+            fmt::format("{} in {} solids, {} shells{}", file.faces, file.solids, file.shells,
+                        file.solids == 0 && file.shells != 1 ? fmt::format(" (sewn at {} mm)", sew_tolerance) : ""));
   for (const auto& [type, count] : types) info.line("  " + type, fmt::format("{}", count));
   info.line("unusable faces", fmt::format("{}", model.unusable_faces.size() + file.failed.size()));
   add_box(info, model.box_min, model.box_max);
@@ -52,8 +48,8 @@ Info cad_info(const std::string& path, double sew_tolerance, Context& context) {
   info.line("components", fmt::format("{}", topology.components));
   info.line("boundary", fmt::format("{} loops, {} free edges", topology.loops, topology.free_edges));
   info.line("Euler", fmt::format("{}", topology.euler));
-  info.line("edges", fmt::format("{} ({} seams, {} poles), largest tolerance {:.3g} mm", model.edges.size(), topology.seam_edges,
-                                 topology.degenerate_edges, largest_tolerance));
+  info.line("edges", fmt::format("{} ({} seams, {} poles), largest tolerance {:.3g} mm", model.edges.size(),
+                                 topology.seam_edges, topology.degenerate_edges, largest_tolerance));
   const auto defect = [&](const char* label, long count) {
     if (count > 0) info.line(label, fmt::format("{}", count));
   };
@@ -62,8 +58,8 @@ Info cad_info(const std::string& path, double sew_tolerance, Context& context) {
   defect("  vertices of several fans", topology.nonmanifold_vertices);
   auto unusable = nlohmann::ordered_json::array();
   for (const UnusableFace& face : model.unusable_faces) {
-    info.notes.push_back(fmt::format("face {}{} is unusable: {}", face.index, face.name.empty() ? "" : " \"" + face.name + "\"",
-                                     face.reason));
+    info.notes.push_back(fmt::format("face {}{} is unusable: {}", face.index,
+                                     face.name.empty() ? "" : " \"" + face.name + "\"", face.reason));
     unusable.push_back({{"face", face.index}, {"name", face.name}, {"reason", face.reason}});
   }
   for (const FailedEntity& entity : file.failed) {

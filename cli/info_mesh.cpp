@@ -26,22 +26,27 @@ Info mesh_info(const std::string& path, Context& context) {
   const Soup soup = read_mesh(path, context, &file);
   const MeshSummary s = summarize(soup);
   Info info;
-  info.json = {{"kind", "mesh"}, {"format", name_of(file.format)}, {"encoding", name_of(file.encoding)}, {"bytes", file.bytes}};
-  info.line("mesh", fmt::format("{}, {}, {} bytes", name_of(file.format), name_of(file.encoding), with_commas(file.bytes)));
-  info.line("vertices", with_commas(s.vertices) +
-                            (s.unused_vertices > 0 ? fmt::format(" ({} in no triangle)", with_commas(s.unused_vertices)) : ""));
-  info.line("triangles", with_commas(s.triangles) +
-                             (file.polygons_split > 0 ? fmt::format(" (from {} polygons, of which {} had more than 3 corners)",
-                                                                    with_commas(file.polygons), with_commas(file.polygons_split))
-                                                      : ""));
-  info.line("edges", fmt::format("{}; length {:.6g} to {:.6g}, mean {:.6g}", with_commas(s.edges), s.shortest_edge, s.longest_edge,
-                                 s.mean_edge));
+  info.json = {
+      {"kind", "mesh"}, {"format", name_of(file.format)}, {"encoding", name_of(file.encoding)}, {"bytes", file.bytes}};
+  info.line("mesh",
+            fmt::format("{}, {}, {} bytes", name_of(file.format), name_of(file.encoding), with_commas(file.bytes)));
+  info.line("vertices",
+            with_commas(s.vertices) +
+                (s.unused_vertices > 0 ? fmt::format(" ({} in no triangle)", with_commas(s.unused_vertices)) : ""));
+  info.line("triangles",
+            with_commas(s.triangles) + (file.polygons_split > 0
+                                            ? fmt::format(" (from {} polygons, of which {} had more than 3 corners)",
+                                                          with_commas(file.polygons), with_commas(file.polygons_split))
+                                            : ""));
+  info.line("edges", fmt::format("{}; length {:.6g} to {:.6g}, mean {:.6g}", with_commas(s.edges), s.shortest_edge,
+                                 s.longest_edge, s.mean_edge));
   add_box(info, s.box_min, s.box_max);
   info.line("area", fmt::format("{:.8g}", s.area));
   if (s.closed && s.oriented)
     info.line("volume", fmt::format("{:.8g}{}", s.volume, s.volume < 0 ? " (inside out)" : ""));
   info.line("components", with_commas(s.components));
-  info.line("boundary", fmt::format("{} loops, {} edges", with_commas(s.boundary_loops), with_commas(s.boundary_edges)));
+  info.line("boundary",
+            fmt::format("{} loops, {} edges", with_commas(s.boundary_loops), with_commas(s.boundary_edges)));
   info.line("Euler", fmt::format("{}", s.euler));
   info.line("surface", verdict(s));
   const auto defect = [&](const char* label, std::uint64_t count) {

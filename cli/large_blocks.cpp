@@ -111,8 +111,8 @@ class LargeBlocks {
   }
 
   void release_largest() {
-    const auto largest = std::max_element(kept_.begin(), kept_.end(),
-                                          [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto largest =
+        std::max_element(kept_.begin(), kept_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     madvise(reinterpret_cast<void*>(largest->first), largest->second, MADV_DONTNEED);
     kept_size_ -= largest->second;
     kept_.erase(largest);  // its addresses are not used again: there are enough
@@ -135,7 +135,8 @@ void* take(std::size_t size, std::size_t alignment) {
   if (size >= least_large) {
     if (void* const block = large_blocks().take(size, std::max<std::size_t>(alignment, 64))) return block;
   }
-  if (alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ || size > range_size) return std::malloc(std::max<std::size_t>(size, 1));
+  if (alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ || size > range_size)
+    return std::malloc(std::max<std::size_t>(size, 1));
   return std::aligned_alloc(alignment, round_up(std::max<std::size_t>(size, 1), alignment));
 }
 

@@ -1,5 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
@@ -17,8 +18,8 @@ namespace {
 using namespace tri;
 using namespace tri::cli;
 
-// Takes the steps of a pipeline out of the words, so that only the rest is for the option parser: "tri run IN ! op --x 1 !
-// OUT --save r.json" has the step {op, --x, 1} and the rest {run, IN, OUT, --save, r.json}.
+// Takes the steps of a pipeline out of the words, so that only the rest is for the option parser: "tri run IN ! op --x
+// 1 ! OUT --save r.json" has the step {op, --x, 1} and the rest {run, IN, OUT, --save, r.json}.
 std::vector<std::string> without_steps(std::vector<std::string> words, Program& program) {
   const auto first = std::find(words.begin(), words.end(), "!");
   if (first == words.end()) return words;

@@ -9,8 +9,9 @@ namespace tri::cli {
 
 void add_plugins_option(CLI::App& command, std::vector<std::string>& folders) {
   command
-      .add_option("--plugins", folders, "Folder of plug-ins (*.so) whose operators are to be there; may be given more than once. The "
-                                        "environment variable TRI_PLUGINS names further ones, separated by colons")
+      .add_option("--plugins", folders,
+                  "Folder of plug-ins (*.so) whose operators are to be there; may be given more than once. The "
+                  "environment variable TRI_PLUGINS names further ones, separated by colons")
       ->type_name("DIR")
       ->allow_extra_args(false);
 }

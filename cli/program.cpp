@@ -1,8 +1,8 @@
 #include "cli/program.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -17,7 +17,9 @@ namespace tri::cli {
 
 void add_common_options(CLI::App& command, Program& program) {
   command.add_flag("-q,--quiet", program.quiet, "No progress and no notes on standard error");
-  command.add_option("--threads", program.context.threads, "Threads to use at most; 0 takes every core. Results do not change")
+  command
+      .add_option("--threads", program.context.threads,
+                  "Threads to use at most; 0 takes every core. Results do not change")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
 }

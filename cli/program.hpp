@@ -22,10 +22,10 @@ class UsageError : public Error {
 
 /// What `tri` returns to the shell.
 enum ExitCode {
-  exit_done = 0,         ///< also when the result is a small one: a region without measurements is a result
-  exit_failed = 1,       ///< the operation could not be carried out
-  exit_usage = 2,        ///< an option, an operator or a recipe is wrong
-  exit_file = 3,         ///< a file cannot be read or written, or holds what no reader accepts
+  exit_done = 0,    ///< also when the result is a small one: a region without measurements is a result
+  exit_failed = 1,  ///< the operation could not be carried out
+  exit_usage = 2,   ///< an option, an operator or a recipe is wrong
+  exit_file = 3,    ///< a file cannot be read or written, or holds what no reader accepts
   exit_interrupted = 130
 };
 

@@ -26,7 +26,8 @@ class ProgressLine {
     drawn_ = now;
     constexpr int cells = 30;
     const int full = static_cast<int>(share * cells);
-    fmt::print(stderr, "\r\x1b[K[{}{}] {:3.0f}% {}", std::string(full, '#'), std::string(cells - full, '.'), 100 * share, step);
+    fmt::print(stderr, "\r\x1b[K[{}{}] {:3.0f}% {}", std::string(full, '#'), std::string(cells - full, '.'),
+               100 * share, step);
     std::fflush(stderr);
     line_is_shown = true;
   }

@@ -18,9 +18,11 @@ std::string to_text(const Report& r) {
   add(r.faces_removed, "faces removed");
   add(r.faces_reversed, "faces reversed");
   add(r.edges_flipped, "edges flipped");
-  std::string text = fmt::format("{:<20} {} ({:.3f} s)\n", r.operation, changes.empty() ? "nothing changed" : changes, r.seconds);
+  std::string text =
+      fmt::format("{:<20} {} ({:.3f} s)\n", r.operation, changes.empty() ? "nothing changed" : changes, r.seconds);
   for (const auto& [name, value] : r.figures) text += fmt::format("  {}: {:.6g}\n", name, value);
-  for (const auto& [reason, count] : r.skipped) text += fmt::format("  left alone, {}: {}\n", reason, with_commas(count));
+  for (const auto& [reason, count] : r.skipped)
+    text += fmt::format("  left alone, {}: {}\n", reason, with_commas(count));
   for (const std::string& note : r.notes) text += fmt::format("  {}\n", note);
   return text;
 }

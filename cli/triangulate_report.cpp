@@ -33,7 +33,8 @@ std::string triangulate_summary(const TriangulateResult& r, const CadModel& mode
   text += fmt::format("deviation: standard deviation {:.4g} mm\n", r.sigma);
   text += r.checks.model == r.checks.mesh
               ? fmt::format("topology: {}, as the model has it\n", topology_text(r.checks.mesh))
-              : fmt::format("topology: {}; the model has {}\n", topology_text(r.checks.mesh), topology_text(r.checks.model));
+              : fmt::format("topology: {}; the model has {}\n", topology_text(r.checks.mesh),
+                            topology_text(r.checks.model));
   if (r.checks.self_intersections > 0)
     text += fmt::format("self-intersections: {} pairs of triangles\n", with_commas(r.checks.self_intersections));
   if (!r.unmeasured_faces.empty())
@@ -42,8 +43,8 @@ std::string triangulate_summary(const TriangulateResult& r, const CadModel& mode
   constexpr std::size_t shown = 5;
   for (std::size_t i = 0; i < std::min(shown, r.holes.size()); ++i) {
     const UnmeasuredRegion& h = r.holes[i];
-    text += fmt::format("  at ({:.4g}, {:.4g}, {:.4g}), radius {:.4g} mm, on faces {}\n", h.center[0], h.center[1], h.center[2],
-                        h.radius, fmt::join(h.faces, ", "));
+    text += fmt::format("  at ({:.4g}, {:.4g}, {:.4g}), radius {:.4g} mm, on faces {}\n", h.center[0], h.center[1],
+                        h.center[2], h.radius, fmt::join(h.faces, ", "));
   }
   if (r.holes.size() > shown) text += fmt::format("  and {} more; --report has them all\n", r.holes.size() - shown);
   for (const UnusableFace& f : model.unusable_faces)

@@ -21,12 +21,12 @@ struct TriangulateInputs {
   std::string cad, points;  ///< the files
   std::uint64_t count = 0;  ///< of the points
   nlohmann::ordered_json options;
-  std::string alignment;    ///< what happened to the points before; may be empty
+  std::string alignment;  ///< what happened to the points before; may be empty
 };
 
 /// The result as a page: the deviations of the vertices as `tri compare` has them, and what the summary says.
 /// @param mesh  of the result, as it is written; shown by the page, so it must outlive it
-HtmlReport triangulate_page(const TriangulateResult& result, const CadModel& model, const TriangulateInputs& inputs, const Soup& mesh,
-                            const Context& context);
+HtmlReport triangulate_page(const TriangulateResult& result, const CadModel& model, const TriangulateInputs& inputs,
+                            const Soup& mesh, const Context& context);
 
 }  // namespace tri::cli

@@ -8,7 +8,9 @@ namespace {
 
 constexpr float field_of_view = 0.6F;  // radians, top to bottom
 
-float dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+float dot(const Vector3& a, const Vector3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 }  // namespace
 
@@ -37,7 +39,9 @@ Vector3 Camera::backward() const {
   return {std::cos(elevation_) * std::cos(azimuth_), std::cos(elevation_) * std::sin(azimuth_), std::sin(elevation_)};
 }
 
-Vector3 Camera::right() const { return {-std::sin(azimuth_), std::cos(azimuth_), 0}; }
+Vector3 Camera::right() const {
+  return {-std::sin(azimuth_), std::cos(azimuth_), 0};
+}
 
 Vector3 Camera::up() const {
   return {-std::sin(elevation_) * std::cos(azimuth_), -std::sin(elevation_) * std::sin(azimuth_), std::cos(elevation_)};
@@ -45,15 +49,29 @@ Vector3 Camera::up() const {
 
 Matrix4 Camera::view() const {
   const Vector3 r = right(), u = up(), b = backward();
-  return {r[0], u[0], b[0], 0, r[1], u[1], b[1], 0, r[2], u[2], b[2], 0, -dot(r, center_), -dot(u, center_),
-          -dot(b, center_) - distance_, 1};
+  return {r[0],
+          u[0],
+          b[0],
+          0,
+          r[1],
+          u[1],
+          b[1],
+          0,
+          r[2],
+          u[2],
+          b[2],
+          0,
+          -dot(r, center_),
+          -dot(u, center_),
+          -dot(b, center_) - distance_,
+          1};
 }
 
 Matrix4 Camera::projection(float width_by_height) const {
   const float near = std::max(distance_ - 4 * radius_, distance_ * 0.01F), far = distance_ + 4 * radius_;
   const float f = 1 / std::tan(field_of_view / 2);
-  return {f / width_by_height, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1,
-          0, 0, 2 * far * near / (near - far), 0};
+  return {f / width_by_height,           0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0,
+          2 * far * near / (near - far), 0};
 }
 
 }  // namespace editor

@@ -1,11 +1,10 @@
 #include "document.hpp"
 
-#include <utility>
-
 #include <tri/io/mesh_file.hpp>
 #include <tri/meshops/build_mesh.hpp>
 #include <tri/meshops/selection.hpp>
 #include <tri/meshops/to_kernel.hpp>
+#include <utility>
 
 namespace editor {
 

@@ -3,11 +3,10 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <vector>
-
-#include <tri/meshops/editing/change_set.hpp>
 #include <tri/meshops/context.hpp>
+#include <tri/meshops/editing/change_set.hpp>
 #include <tri/meshops/report.hpp>
+#include <vector>
 
 #include "editor_mesh.hpp"
 #include "operator_panel.hpp"

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
-
 #include <tri/meshops/error.hpp>
 
 #include "selection.hpp"
@@ -62,7 +61,8 @@ void Editor::run(const OperatorRequest& request) {
   job_.start(request.op->name(), [this, request](tri::Context& context) {
     const tri::Report report = document_.run(request, context);
     outcome_ = {request.op->name() + (request.dry_run ? " would do: " : ": ") + numbers_of(report)};
-    for (const auto& [reason, count] : report.skipped) outcome_.push_back("  left alone: " + std::to_string(count) + ", " + reason);
+    for (const auto& [reason, count] : report.skipped)
+      outcome_.push_back("  left alone: " + std::to_string(count) + ", " + reason);
     for (const std::string& note : report.notes) outcome_.push_back("  " + note);
   });
 }
@@ -251,7 +251,8 @@ void Editor::draw_menu() {
     if (changed) report_selection();
     ImGui::Separator();
     for (int brush = 0; brush < 4; ++brush)
-      if (ImGui::MenuItem(brush == 0 ? "Unpaint" : ("Paint with brush " + std::to_string(brush)).c_str())) paint_selection(brush);
+      if (ImGui::MenuItem(brush == 0 ? "Unpaint" : ("Paint with brush " + std::to_string(brush)).c_str()))
+        paint_selection(brush);
     ImGui::EndMenu();
   }
   if (ImGui::BeginMenu("View")) {
@@ -268,7 +269,8 @@ void Editor::draw_viewport() {
   ImGui::SetNextWindowPos(window.WorkPos);
   ImGui::SetNextWindowSize(ImVec2(window.WorkSize.x - side_width, window.WorkSize.y - log_height));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
-  ImGui::Begin("Viewport", nullptr, fixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoNav);
+  ImGui::Begin("Viewport", nullptr,
+               fixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoNav);
   const ImVec2 corner = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
   viewport_ = {corner.x, corner.y, std::max(1, static_cast<int>(size.x)), std::max(1, static_cast<int>(size.y)), false};
   const unsigned picture = renderer_.draw(camera_, viewport_.width, viewport_.height, style_);
@@ -282,10 +284,12 @@ void Editor::draw_viewport() {
 void Editor::handle_mouse() {
   const ImGuiIO& io = ImGui::GetIO();
   if (viewport_.hovered) {
-    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !job_.running()) box_drag_ = {io.MousePos.x, io.MousePos.y, true};
+    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !job_.running())
+      box_drag_ = {io.MousePos.x, io.MousePos.y, true};
     if (io.MouseWheel != 0) camera_.approach(io.MouseWheel);
     if (ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0)) camera_.turn(io.MouseDelta.x, io.MouseDelta.y);
-    if (ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0)) camera_.move(io.MouseDelta.x, io.MouseDelta.y, viewport_.height);
+    if (ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0))
+      camera_.move(io.MouseDelta.x, io.MouseDelta.y, viewport_.height);
   }
   if (!box_drag_.active) return;
   const ImVec2 low(std::min(box_drag_.x, io.MousePos.x), std::min(box_drag_.y, io.MousePos.y));
@@ -297,7 +301,10 @@ void Editor::handle_mouse() {
   const PixelBox box{static_cast<int>(low.x - viewport_.x), static_cast<int>(low.y - viewport_.y),
                      static_cast<int>(high.x - low.x) + 1, static_cast<int>(high.y - low.y) + 1};
   const auto faces = renderer_.faces_in(box);
-  select_faces(document_.mesh(), faces, io.KeyShift ? SelectMode::add : io.KeyCtrl ? SelectMode::remove : SelectMode::replace);
+  select_faces(document_.mesh(), faces,
+               io.KeyShift  ? SelectMode::add
+               : io.KeyCtrl ? SelectMode::remove
+                            : SelectMode::replace);
   report_selection();
 }
 
@@ -348,7 +355,8 @@ void Editor::draw_path_dialog() {
   if (!ImGui::BeginPopupModal(title, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) return;
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(500);
-  const bool entered = ImGui::InputText("##path", &asked_path_, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  const bool entered = ImGui::InputText("##path", &asked_path_,
+                                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
   const bool ok = ImGui::Button("OK") || entered;
   ImGui::SameLine();
   const bool dismissed = ImGui::Button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
@@ -367,7 +375,8 @@ void Editor::draw_progress() {
   const Job::Progress progress = job_.progress();
   const ImGuiViewport& window = *ImGui::GetMainViewport();
   ImGui::SetNextWindowPos(window.GetCenter(), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
-  ImGui::Begin("Working", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  ImGui::Begin("Working", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   ImGui::Text("%s", progress.step.c_str());
   ImGui::ProgressBar(progress.share, ImVec2(300, 0));
   if (ImGui::Button("Cancel (Esc)")) job_.cancel();

@@ -4,9 +4,8 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
-
 #include <tri/meshops/registry.hpp>
+#include <vector>
 
 #include "camera.hpp"
 #include "document.hpp"

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <string>
 #include <thread>
-
 #include <tri/meshops/context.hpp>
 
 namespace editor {

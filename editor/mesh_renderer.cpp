@@ -141,8 +141,7 @@ void MeshRenderer::reserve(std::size_t faces) {
 void MeshRenderer::send_all(const EditorMesh& mesh) {
   faces_ = mesh.n_faces();
   std::vector<Corners> corners(faces_);
-  for (std::size_t i = 0; i < faces_; ++i)
-    corners[i] = corners_of(mesh, OpenMesh::FaceHandle(static_cast<int>(i)));
+  for (std::size_t i = 0; i < faces_; ++i) corners[i] = corners_of(mesh, OpenMesh::FaceHandle(static_cast<int>(i)));
   reserve(faces_ + faces_ / 8 + 64);  // room for what operators add
   glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(faces_ * sizeof(Corners)), corners.data());
   send_boundary(mesh);
@@ -168,7 +167,8 @@ void MeshRenderer::send_marks(const EditorMesh& mesh) {
   std::vector<std::uint8_t> marks(std::max<std::size_t>(mesh.n_faces(), 1));
   for (std::size_t i = 0; i < mesh.n_faces(); ++i) {
     const OpenMesh::FaceHandle f(static_cast<int>(i));
-    marks[i] = static_cast<std::uint8_t>(mesh.status(f).selected() | (painted ? (mesh.property(brush, f) & 3) << 1 : 0));
+    marks[i] =
+        static_cast<std::uint8_t>(mesh.status(f).selected() | (painted ? (mesh.property(brush, f) & 3) << 1 : 0));
   }
   glBindBuffer(GL_TEXTURE_BUFFER, marks_);
   glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(marks.size()), marks.data(), GL_DYNAMIC_DRAW);
@@ -181,7 +181,8 @@ void MeshRenderer::send_boundary(const EditorMesh& mesh) {
   for (std::size_t i = 0; i < mesh.n_edges(); ++i) {
     const OpenMesh::EdgeHandle e(static_cast<int>(i));
     if (mesh.status(e).deleted() || !mesh.is_boundary(e)) continue;
-    for (const unsigned side : {0U, 1U}) ends.push_back(mesh.point(mesh.to_vertex_handle(mesh.halfedge_handle(e, side))));
+    for (const unsigned side : {0U, 1U})
+      ends.push_back(mesh.point(mesh.to_vertex_handle(mesh.halfedge_handle(e, side))));
   }
   boundary_vertices_ = ends.size();
   glBindBuffer(GL_ARRAY_BUFFER, boundary_);
@@ -198,9 +199,10 @@ void MeshRenderer::resize(int width, int height) {
     GLenum format, type, attachment;
   };
   glBindFramebuffer(GL_FRAMEBUFFER, frame_);
-  for (const Target& t : {Target{color_, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_COLOR_ATTACHMENT0},
-                          Target{ids_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, GL_COLOR_ATTACHMENT1},
-                          Target{depth_, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, GL_DEPTH_ATTACHMENT}}) {
+  for (const Target& t :
+       {Target{color_, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_COLOR_ATTACHMENT0},
+        Target{ids_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, GL_COLOR_ATTACHMENT1},
+        Target{depth_, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, GL_DEPTH_ATTACHMENT}}) {
     glBindTexture(GL_TEXTURE_2D, t.texture);
     glTexImage2D(GL_TEXTURE_2D, 0, t.internal, width, height, 0, t.format, t.type, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);

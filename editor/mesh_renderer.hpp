@@ -16,8 +16,8 @@ struct PixelBox {
 
 /// Draws the faces of a mesh into a texture, and tells which face is under a pixel.
 ///
-/// Each face has its own three corners in the buffer, at the place of its handle; so a changed face is sent alone, and a
-/// deleted one becomes a point. Needs a current OpenGL 3.3 context for as long as it lives.
+/// Each face has its own three corners in the buffer, at the place of its handle; so a changed face is sent alone, and
+/// a deleted one becomes a point. Needs a current OpenGL 3.3 context for as long as it lives.
 class MeshRenderer {
  public:
   MeshRenderer();

@@ -5,9 +5,8 @@
 
 #include <cmath>
 #include <limits>
-#include <vector>
-
 #include <tri/meshops/error.hpp>
+#include <vector>
 
 namespace editor {
 namespace {
@@ -34,7 +33,8 @@ bool edit_number(const tri::OptionInfo& info, double& value) {
   }
   const bool bounded = std::isfinite(info.minimum) && std::isfinite(info.maximum) && !info.infinite;
   if (bounded) {
-    changed |= ImGui::SliderScalar(label_of(info).c_str(), ImGuiDataType_Double, &value, &info.minimum, &info.maximum, "%.6g");
+    changed |=
+        ImGui::SliderScalar(label_of(info).c_str(), ImGuiDataType_Double, &value, &info.minimum, &info.maximum, "%.6g");
   } else {
     changed |= ImGui::InputDouble(label_of(info).c_str(), &value, 0, 0, "%.9g");
   }
@@ -91,7 +91,8 @@ bool edit(const tri::OptionInfo& info, tri::OptionValue& value) {
 }
 
 /// As the library checks it: a value that is not allowed is refused with the library's own words.
-void store(const tri::OptionSchema& schema, void* options, const tri::OptionSchema::Entry& entry, const tri::OptionValue& value) {
+void store(const tri::OptionSchema& schema, void* options, const tri::OptionSchema::Entry& entry,
+           const tri::OptionValue& value) {
   const tri::OptionValue before = entry.get(options);
   entry.set(options, value);
   try {

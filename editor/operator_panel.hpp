@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-
 #include <tri/meshops/registry.hpp>
 
 namespace editor {
@@ -19,7 +18,8 @@ struct OperatorRequest {
 
 /// A list of all operators of a registry, and a form for the options of the chosen one.
 ///
-/// Nothing here knows any operator: the form is drawn from its schema. An operator that a plug-in brings looks like the others.
+/// Nothing here knows any operator: the form is drawn from its schema. An operator that a plug-in brings looks like the
+/// others.
 class OperatorPanel {
  public:
   /// @param registry outlives the panel
@@ -42,7 +42,7 @@ class OperatorPanel {
   const tri::Operator* chosen_ = nullptr;
   std::map<const tri::Operator*, std::shared_ptr<void>> options_;  ///< as last set, for each operator
   std::string complaint_;                                          ///< why the last value was refused
-  bool selection_only_ = true;  ///< as long as anything is selected
+  bool selection_only_ = true;                                     ///< as long as anything is selected
   bool focus_search_ = false;
   bool run_at_enter_ = false;
 };

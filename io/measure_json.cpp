@@ -45,12 +45,8 @@ Json point_json(const Vec3& p) {
 }
 
 Json to_json(const MeshDistance& d) {
-  return {{"hausdorff", d.hausdorff},
-          {"hausdorff_bound", d.hausdorff_bound},
-          {"mean", d.mean},
-          {"rms", d.rms},
-          {"forward", to_json(d.forward)},
-          {"backward", to_json(d.backward)}};
+  return {{"hausdorff", d.hausdorff},      {"hausdorff_bound", d.hausdorff_bound}, {"mean", d.mean}, {"rms", d.rms},
+          {"forward", to_json(d.forward)}, {"backward", to_json(d.backward)}};
 }
 
 }  // namespace tri

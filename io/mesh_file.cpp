@@ -104,7 +104,7 @@ struct Ending {
   const char* extension;
   MeshFormat format;
 };
-constexpr Ending endings[] = {{"stl", MeshFormat::stl},  {"obj", MeshFormat::obj},      {"ply", MeshFormat::ply},
+constexpr Ending endings[] = {{"stl", MeshFormat::stl},  {"obj", MeshFormat::obj},     {"ply", MeshFormat::ply},
                               {"off", MeshFormat::off},  {"3mf", MeshFormat::threemf}, {"gltf", MeshFormat::gltf},
                               {"glb", MeshFormat::gltf}, {"vtp", MeshFormat::vtk}};
 
@@ -112,8 +112,8 @@ MeshFormat output_format(const std::string& path) {
   const std::string extension = file_extension(path);
   for (const Ending& ending : endings)
     if (extension == ending.extension) return ending.format;
-  throw InvalidInput(
-      fmt::format("{}: meshes are written as .stl, .obj, .ply, .off, .3mf, .gltf, .glb or .vtp, not \".{}\"", path, extension));
+  throw InvalidInput(fmt::format(
+      "{}: meshes are written as .stl, .obj, .ply, .off, .3mf, .gltf, .glb or .vtp, not \".{}\"", path, extension));
 }
 
 #ifndef TRI_WITH_3MF

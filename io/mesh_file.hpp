@@ -25,10 +25,10 @@ std::string_view name_of(MeshEncoding encoding);
 struct MeshFileInfo {
   MeshFormat format = MeshFormat::stl;          ///< by content, where the format can be told by it
   MeshEncoding encoding = MeshEncoding::ascii;  ///< how its numbers stand in it
-  std::uint64_t bytes = 0;           ///< size of the file
-  std::uint64_t polygons = 0;        ///< faces in the file that have three corners or more
-  std::uint64_t polygons_split = 0;  ///< of these, faces with more than three corners, cut into triangles
-  std::vector<std::string> parts;    ///< names of solids, objects and groups, in the order of the file; may hold ""
+  std::uint64_t bytes = 0;                      ///< size of the file
+  std::uint64_t polygons = 0;                   ///< faces in the file that have three corners or more
+  std::uint64_t polygons_split = 0;             ///< of these, faces with more than three corners, cut into triangles
+  std::vector<std::string> parts;  ///< names of solids, objects and groups, in the order of the file; may hold ""
   /// What the file holds and the soup does not (texture coordinates, materials …), and what was odd: one sentence each.
   std::vector<std::string> notes;
 };

@@ -57,7 +57,8 @@ Plugin register_from(Registry& registry, const std::string& path) {
   if (!entry) throw IoError(path, "is no plug-in of tri: it has no function tri_plugin");
   const PluginInfo& info = *entry();
   const std::vector<std::string_view> said = interfaces_in(info.interface_text);
-  if (said.empty() || said.front() != TRI_PLUGIN_INTERFACE) refuse(path, said.empty() ? "something else" : said.front());
+  if (said.empty() || said.front() != TRI_PLUGIN_INTERFACE)
+    refuse(path, said.empty() ? "something else" : said.front());
 
   // Holds the code in any case while operators of it are there, also half of them after an exception.
   Registry with_plugin = registry;

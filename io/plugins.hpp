@@ -19,11 +19,13 @@ struct Plugin {
 
 /// Loads a shared object that was made with meshops/plugin.hpp, and registers its operators.
 ///
-/// What it was built with (the versions of tri and OpenMesh, the compiler, the standard library) is read from the file and
-/// compared with this library before any code of the plug-in runs. Its code stays in memory as long as `registry` or a copy of it
-/// lives; pipelines, options and reports made with its operators must be gone by then, as those of any registry.
+/// What it was built with (the versions of tri and OpenMesh, the compiler, the standard library) is read from the file
+/// and compared with this library before any code of the plug-in runs. Its code stays in memory as long as `registry`
+/// or a copy of it lives; pipelines, options and reports made with its operators must be gone by then, as those of any
+/// registry.
 ///
-/// @throws IoError naming the file: it is missing, no plug-in of tri, built with something else (the message names both), or
+/// @throws IoError naming the file: it is missing, no plug-in of tri, built with something else (the message names
+/// both), or
 ///   the system cannot load it. InvalidInput naming it: an operator's name is taken, or what the plug-in itself throws.
 ///   `registry` is then as it was.
 Plugin load_plugin(Registry& registry, const std::string& path);
@@ -32,7 +34,8 @@ Plugin load_plugin(Registry& registry, const std::string& path);
 /// @throws as `load_plugin`; IoError if a folder cannot be read. `registry` is then as it was.
 std::vector<Plugin> load_plugins(Registry& registry, std::span<const std::string> folders);
 
-/// The folders of a list that is separated by colons, as in the environment variable TRI_PLUGINS; empty ones are left out.
+/// The folders of a list that is separated by colons, as in the environment variable TRI_PLUGINS; empty ones are left
+/// out.
 std::vector<std::string> plugin_folders(std::string_view list);
 
 }  // namespace tri

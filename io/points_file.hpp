@@ -21,26 +21,26 @@ struct ScanInfo {
   std::uint64_t points = 0;   ///< that were read
   std::uint64_t skipped = 0;  ///< records without a return or a valid coordinate
   bool has_pose = false;      ///< the pose is not the identity; it was applied to the points
-  std::array<Vec3, 3> rotation{Vec3(1, 0, 0), Vec3(0, 1, 0),
-                               Vec3(0, 0, 1)};  ///< rows; point = rotation * own + translation
-  Vec3 translation{0, 0, 0};                    ///< in the unit of the file
+  std::array<Vec3, 3> rotation{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};  ///< rows; point = rotation * own +
+                                                                              ///< translation
+  Vec3 translation{0, 0, 0};                                                  ///< in the unit of the file
 };
 
 /// What a file of points held, beside the points.
 struct PointsFileInfo {
   PointsFormat format = PointsFormat::text;  ///< by content and ending
-  std::uint64_t bytes = 0;  ///< size of the file
+  std::uint64_t bytes = 0;                   ///< size of the file
   /// Unit of the coordinates where the format defines one ("m" for E57), in the names of the command line; else empty.
   std::string unit;
-  std::uint64_t points_skipped =
-      0;  ///< records that mark a place without a measurement: NaN in PCD, 0 0 0 in PTX, an invalid state in E57
-  std::vector<ScanInfo> scans;  ///< of PTX and E57, in the order of the file; points are in this order too
+  std::uint64_t points_skipped = 0;  ///< records that mark a place without a measurement: NaN in PCD, 0 0 0 in PTX, an
+                                     ///< invalid state in E57
+  std::vector<ScanInfo> scans;       ///< of PTX and E57, in the order of the file; points are in this order too
   /// Header lines, ignored columns, how normals were recognised …: one sentence each.
   std::vector<std::string> notes;
 };
 
-/// Reads points from text (XYZ, ASC, CSV, TXT …), PLY, PCD, PTX or E57; the vertices of a mesh in STL, OBJ, OFF, 3MF or glTF count
-/// as points too. Coordinates are in the unit of the file.
+/// Reads points from text (XYZ, ASC, CSV, TXT …), PLY, PCD, PTX or E57; the vertices of a mesh in STL, OBJ, OFF, 3MF or
+/// glTF count as points too. Coordinates are in the unit of the file.
 ///
 /// Text: one point a line, columns separated by blanks, tabs, commas or semicolons. A comma is the decimal point if
 /// columns are separated by semicolons or blanks and no full stop occurs. Lines before the first point that do not

@@ -22,7 +22,8 @@ Pose read_pose(const std::string& path) {
   std::array<std::array<double, 4>, 4> matrix{};
   if (!rows.is_array() || rows.size() != 4) fail("the matrix of the pose has not four rows");
   for (std::size_t r = 0; r < 4; ++r) {
-    if (!rows[r].is_array() || rows[r].size() != 4) fail(fmt::format("row {} of the pose's matrix has not four numbers", r + 1));
+    if (!rows[r].is_array() || rows[r].size() != 4)
+      fail(fmt::format("row {} of the pose's matrix has not four numbers", r + 1));
     for (std::size_t c = 0; c < 4; ++c) {
       if (!rows[r][c].is_number()) fail(fmt::format("entry {}, {} of the pose's matrix is no number", r + 1, c + 1));
       matrix[r][c] = rows[r][c].get<double>();
@@ -43,7 +44,8 @@ PointPairs read_pairs(const std::string& path) {
   const InputFile file(path);
   // Blanks in place of commas and semicolons keep every position.
   std::string text(file.bytes());
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
   io_detail::TextScanner scanner(text, file.name());
   PointPairs pairs;
   while (scanner.next_filled_line('#')) {
@@ -56,7 +58,8 @@ PointPairs read_pairs(const std::string& path) {
     scanner.next_line();
   }
   if (pairs.points.size() < 3)
-    throw IoError(file.name(), fmt::format("{} pairs of points are too few for a pose: 3 are needed", pairs.points.size()));
+    throw IoError(file.name(),
+                  fmt::format("{} pairs of points are too few for a pose: 3 are needed", pairs.points.size()));
   return pairs;
 }
 

@@ -7,13 +7,13 @@
 
 namespace tri {
 
-/// Reads a pose from JSON ("-" is standard input): `{"matrix": [[4x4 row-major]]}`, or a report that holds such an object
-/// under "pose" or under "alignment" and "pose".
+/// Reads a pose from JSON ("-" is standard input): `{"matrix": [[4x4 row-major]]}`, or a report that holds such an
+/// object under "pose" or under "alignment" and "pose".
 /// @throws IoError if the file cannot be read, is not JSON, holds no 4x4 matrix, or the matrix is no rigid motion.
 Pose read_pose(const std::string& path);
 
-/// Writes `{"matrix": …, "meaning": "takes the points to the model"}`; every number reads back as the same double. The file
-/// appears whole or not at all. @throws IoError
+/// Writes `{"matrix": …, "meaning": "takes the points to the model"}`; every number reads back as the same double. The
+/// file appears whole or not at all. @throws IoError
 void write_pose(const std::string& path, const Pose& pose);
 
 /// Points and the places they belong to, entry by entry.

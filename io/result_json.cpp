@@ -7,7 +7,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+Json to_json(const Eigen::Vector3d& v) {
+  return {v[0], v[1], v[2]};
+}
 
 Json to_json(const FitQuality& q, double coverage) {
   return {{"rms", q.rms},
@@ -25,7 +27,9 @@ const char* name_of(Freedom::Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-Json to_json(const SurfaceTopology& t) { return {{"components", t.components}, {"loops", t.loops}, {"euler", t.euler}}; }
+Json to_json(const SurfaceTopology& t) {
+  return {{"components", t.components}, {"loops", t.loops}, {"euler", t.euler}};
+}
 
 Json unusable_json(const CadModel& model) {
   Json json = Json::array();
@@ -98,9 +102,8 @@ Json to_json(const TriangulateResult& r, const CadModel& model) {
     json["holes"].push_back(
         {{"center", point_json(h.center)}, {"radius", h.radius}, {"spacing", h.spacing}, {"faces", h.faces}});
   json["unusable_faces"] = unusable_json(model);
-  json["topology"] = {{"model", to_json(r.checks.model)},
-                      {"mesh", to_json(r.checks.mesh)},
-                      {"same", r.checks.model == r.checks.mesh}};
+  json["topology"] = {
+      {"model", to_json(r.checks.model)}, {"mesh", to_json(r.checks.mesh)}, {"same", r.checks.model == r.checks.mesh}};
   json["checks"] = {{"self_intersections", r.checks.self_intersections},
                     {"folds", r.checks.folds},
                     {"turned", r.checks.turned},

@@ -22,7 +22,7 @@ struct DeviationOptions {
 
 /// The deviations of the points that lie on one face.
 struct FaceDeviation {
-  int face = 0;  ///< 1-based, CadFace::index
+  int face = 0;                ///< 1-based, CadFace::index
   std::string name;            ///< from the file, may be empty
   std::string surface_type;    ///< as `CadFace::surface_type`
   double area = 0;             ///< mm^2

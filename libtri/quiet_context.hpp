@@ -24,8 +24,8 @@ class QuietContext : public Context {
   }
 };
 
-/// For an operation of several that tell the same steps, one after another: passes on what is told, but for shares that go back,
-/// and is cancelled with the outer one.
+/// For an operation of several that tell the same steps, one after another: passes on what is told, but for shares that
+/// go back, and is cancelled with the outer one.
 class ForwardContext : public QuietContext {
  public:
   /// @param outer  must outlive this object

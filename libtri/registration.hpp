@@ -52,10 +52,10 @@ class Registration {
   ///
   /// Where several faces of one shell are equally near, to 1e-10 of the diagonal, the one with the lowest index wins:
   /// along a shared edge, at a vertex, and half-way between two faces. Where two shells touch, a number made of the
-  /// point's coordinates decides, so that both get their share of the points. A foot that is as near on a trimming curve is taken to be on
-  /// it. So face and edge do not depend on the order of the points; neither does the rest, but for the 1e-8 of the
-  /// diagonal to which places far from the model are searched. Nothing depends on the number of threads. Beside the
-  /// result it takes 20 bytes a point.
+  /// point's coordinates decides, so that both get their share of the points. A foot that is as near on a trimming
+  /// curve is taken to be on it. So face and edge do not depend on the order of the points; neither does the rest, but
+  /// for the 1e-8 of the diagonal to which places far from the model are searched. Nothing depends on the number of
+  /// threads. Beside the result it takes 20 bytes a point.
   /// @throws Cancelled within 64 points of each thread: well within 100 ms.
   std::vector<Foot> register_points(std::span<const Vec3> points, Context& context) const;
 

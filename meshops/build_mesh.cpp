@@ -53,8 +53,8 @@ void add_vertex_property(Mesh& mesh, const BuiltMesh& built, const std::string& 
 }
 
 /// The value of a corner goes to the half-edge of its triangle that ends there.
-void set_corners(const Soup& soup, const std::vector<double>& values, const std::string& name, Mesh& mesh, const BuiltMesh& built,
-                 Pace& pace) {
+void set_corners(const Soup& soup, const std::vector<double>& values, const std::string& name, Mesh& mesh,
+                 const BuiltMesh& built, Pace& pace) {
   OpenMesh::HPropHandleT<double> handle;
   mesh.add_property(handle, "h:" + name);
   for (const FaceHandle f : mesh.faces()) {
@@ -80,7 +80,8 @@ void set_attributes(const Soup& soup, Mesh& mesh, const BuiltMesh& built, const 
     if (has_uv && name == "v") continue;
     if (has_uv && name == "u") {
       const std::vector<double>& v = soup.vertex_scalars.at("v");
-      add_vertex_property<Vec2>(mesh, built, property::uv, pace, [&](std::uint32_t i) { return Vec2(values[i], v[i]); });
+      add_vertex_property<Vec2>(mesh, built, property::uv, pace,
+                                [&](std::uint32_t i) { return Vec2(values[i], v[i]); });
     } else if ((full == property::point_index || full == property::cad_face) && whole_numbers(values)) {
       add_vertex_property<int>(mesh, built, full, pace, [&](std::uint32_t i) { return static_cast<int>(values[i]); });
     } else {
@@ -124,8 +125,10 @@ constexpr std::size_t link_block = 1 << 14;  // triangles
 
 /// Writes all links of a manifold triangle list. `twin` is used up: entries become half-edge numbers.
 ///
-/// Edges are numbered by their first side, which owns them; counted by blocks, so that every block knows its first number.
-void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::Sides& twin, Mesh& mesh, const Context& context) {
+/// Edges are numbered by their first side, which owns them; counted by blocks, so that every block knows its first
+/// number.
+void link(std::span<const Triangle> triangles, std::size_t vertices, SidePairs::Sides& twin, Mesh& mesh,
+          const Context& context) {
   mesh.resize(vertices, count_edges(twin), triangles.size());
   const std::size_t n_blocks = (triangles.size() + link_block - 1) / link_block;
   const auto for_blocks = [&](const auto& visit) {
@@ -279,7 +282,7 @@ void in_arena(const Context& context, const Work& work) {
 
 /// For each side the side of the known neighbour on the same edge. @throws Cancelled
 SidePairs::Sides twins_of_neighbors(std::span<const Triangle> triangles,
-                                             std::span<const std::array<std::int32_t, 3>> neighbors, const Context& context) {
+                                    std::span<const std::array<std::int32_t, 3>> neighbors, const Context& context) {
   if (neighbors.size() != triangles.size())
     throw InvalidInput(fmt::format("{} triples of neighbours for {} triangles", neighbors.size(), triangles.size()));
   SidePairs::Sides twin(3 * triangles.size());
@@ -310,7 +313,8 @@ SidePairs::Sides twins_of_neighbors(std::span<const Triangle> triangles,
   if (first_misfit < twin.size()) {
     const std::size_t i = first_misfit / 3, k = first_misfit % 3;
     throw InvalidInput(fmt::format("triangle {} has neighbour {} across edge {} - {}, which does not fit", i,
-                                   neighbors[i][k == 0 ? 2 : k - 1], triangles[i][k], triangles[i][k == 2 ? 0 : k + 1]));
+                                   neighbors[i][k == 0 ? 2 : k - 1], triangles[i][k],
+                                   triangles[i][k == 2 ? 0 : k + 1]));
   }
   return twin;
 }

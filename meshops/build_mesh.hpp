@@ -52,16 +52,16 @@ struct BuiltMesh {
 /// however small.
 ///
 /// Vertex scalars become properties "v:NAME" (double; `point_index` and `cad_face` int if they are whole, `u` and `v`
-/// together the Vec2 "v:uv"), face scalars "f:NAME", corner scalars "h:NAME" of the half-edge that ends in the corner, labels mesh
-/// properties (see `property::labels`), colours and normals OpenMesh's own attributes. Edges are numbered
+/// together the Vec2 "v:uv"), face scalars "f:NAME", corner scalars "h:NAME" of the half-edge that ends in the corner,
+/// labels mesh properties (see `property::labels`), colours and normals OpenMesh's own attributes. Edges are numbered
 /// by their first side in the order of the triangles. O(points + triangles).
 ///
 /// @throws InvalidInput if an index is not below the number of points, an attribute has the wrong length, or there are
 /// more than 2^31 / 3 triangles; Cancelled. The soup is never changed.
 BuiltMesh build_mesh(const Soup& soup, Context& context);
 
-/// The same into a mesh of the caller's: OpenMesh's meshes copy where others move, which for millions of faces costs time
-/// and twice the memory.
+/// The same into a mesh of the caller's: OpenMesh's meshes copy where others move, which for millions of faces costs
+/// time and twice the memory.
 /// @param mesh empty, else InvalidInput is thrown; after any other exception its contents are undefined
 /// @return the report of `build_mesh`
 Report build_mesh_into(Mesh& mesh, const Soup& soup, Context& context);

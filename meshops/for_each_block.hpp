@@ -20,13 +20,15 @@ inline int worker_threads(const Context& context) {
   return context.threads > 0 ? std::min(context.threads, cores) : cores;
 }
 
-/// Calls `body(block, begin, end)` for each block of `block_size` (> 0) indices below `count`, on at most `context.threads`
-/// threads. What a block is does not depend on them, so neither do results that are kept by block and combined in order.
+/// Calls `body(block, begin, end)` for each block of `block_size` (> 0) indices below `count`, on at most
+/// `context.threads` threads. What a block is does not depend on them, so neither do results that are kept by block and
+/// combined in order.
 ///
 /// Reports progress as `step`, unless that is empty, from the calling thread.
 /// @throws Cancelled between blocks, and what `body` throws.
 template <class Body>
-void for_each_block(const Context& context, std::string_view step, std::size_t count, std::size_t block_size, const Body& body) {
+void for_each_block(const Context& context, std::string_view step, std::size_t count, std::size_t block_size,
+                    const Body& body) {
   const std::size_t blocks = (count + block_size - 1) / block_size;
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<std::size_t> done{0};

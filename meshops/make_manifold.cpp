@@ -164,8 +164,9 @@ class Splitter {
 
   void split() {
     repairs_.copied_points.clear();
-    split_vertices(triangles_, points_.size(), vertices_with_several_fans(triangles_, points_.size(), pairs_.twin, context_),
-                   pairs_, repairs_.copied_points, context_);
+    split_vertices(triangles_, points_.size(),
+                   vertices_with_several_fans(triangles_, points_.size(), pairs_.twin, context_), pairs_,
+                   repairs_.copied_points, context_);
   }
 
   std::map<Ends, Group> by_ends(const Group& group) const {

@@ -27,7 +27,8 @@ using FaceHandle = OpenMesh::FaceHandle;  ///< of a face
 
 /// Names of the vertex properties that tie a triangulated mesh to its points and its CAD model.
 namespace property {
-inline constexpr const char* point_index = "v:point_index";  ///< int, 0-based index of the measured point; -1 for a synthetic vertex
+inline constexpr const char* point_index = "v:point_index";  ///< int, 0-based index of the measured point; -1 for a
+                                                             ///< synthetic vertex
 inline constexpr const char* cad_face = "v:cad_face";        ///< int, 1-based face of the model; 0 for none
 inline constexpr const char* uv = "v:uv";                    ///< Vec2, parameters on that face's own surface
 inline constexpr const char* deviation = "v:deviation";      ///< double, mm, positive outside

@@ -11,8 +11,9 @@ namespace tri {
 
 class ChangeRecorder;
 
-/// How every operator takes a mesh: the connectivity that every OpenMesh triangle kernel derives from, and its positions
-/// as doubles. Cheap to copy; valid while the mesh (and, for other than `Vec3` kernels, the `MeshLease`) lives.
+/// How every operator takes a mesh: the connectivity that every OpenMesh triangle kernel derives from, and its
+/// positions as doubles. Cheap to copy; valid while the mesh (and, for other than `Vec3` kernels, the `MeshLease`)
+/// lives.
 ///
 /// Operators may add elements and mark elements as deleted; they never collect garbage.
 struct MeshView {
@@ -79,24 +80,25 @@ void add_types_of(PropertyTypes& types) {
 
 /// Opens any OpenMesh triangle kernel as a `MeshView` for as long as the lease lives.
 ///
-/// A kernel whose points are `Vec3` is viewed in place. Any other (float, Eigen) gets a temporary double property, whose
-/// changed positions are written back when the lease ends, so untouched vertices keep their exact bits. Status
-/// attributes are requested if missing and, if so, released again at the end unless elements are marked deleted (releasing
-/// them then would resurrect the deleted elements).
+/// A kernel whose points are `Vec3` is viewed in place. Any other (float, Eigen) gets a temporary double property,
+/// whose changed positions are written back when the lease ends, so untouched vertices keep their exact bits. Status
+/// attributes are requested if missing and, if so, released again at the end unless elements are marked deleted
+/// (releasing them then would resurrect the deleted elements).
 ///
 /// The kernel's own traits and its type of points are made known to the policy's types, so that they travel and can be
 /// recorded like any other property.
 template <class Kernel>
 class MeshLease {
-  static_assert(is_triangle_kernel<Kernel>,
-                "tri works on triangle meshes: use an OpenMesh::TriMesh_ArrayKernelT, or copy your polygon mesh into one and "
-                "triangulate it (a TriMesh can be made from a PolyMesh by its constructor)");
+  static_assert(
+      is_triangle_kernel<Kernel>,
+      "tri works on triangle meshes: use an OpenMesh::TriMesh_ArrayKernelT, or copy your polygon mesh into one and "
+      "triangulate it (a TriMesh can be made from a PolyMesh by its constructor)");
 
  public:
   /// @param policy  what new elements inherit; must outlive the lease
   explicit MeshLease(Kernel& kernel, const PropertyPolicy& policy = PropertyPolicy::standard())
       : kernel_(kernel), policy_(policy), had_status_(kernel.has_vertex_status() && kernel.has_edge_status() &&
-                                                                    kernel.has_halfedge_status() && kernel.has_face_status()) {
+                                                      kernel.has_halfedge_status() && kernel.has_face_status()) {
     policy_.types() = PropertyTypes(&policy.types());
     add_types_of<Kernel>(policy_.types());
     kernel_.request_vertex_status();
@@ -166,6 +168,8 @@ class MeshLease {
 };
 
 /// The view of the default kernel, which needs no lease.
-inline MeshView view_of(Mesh& mesh) { return {mesh, mesh.points_property_handle()}; }
+inline MeshView view_of(Mesh& mesh) {
+  return {mesh, mesh.points_property_handle()};
+}
 
 }  // namespace tri

@@ -27,18 +27,18 @@ struct OptionInfo {
   /// What values it takes: `choice` one of `choices`, `text` any, `numbers` a list of numbers.
   enum class Type { boolean, integer, number, choice, text, numbers };
 
-  std::string name;  ///< kebab-case: "max-edges" is `--max-edges` and "max-edges"
+  std::string name;           ///< kebab-case: "max-edges" is `--max-edges` and "max-edges"
   Type type = Type::boolean;  ///< what values it takes
-  std::string unit;  ///< "mm", "deg", "edges"; empty for a bare number
-  std::string help;  ///< one line without a full stop
+  std::string unit;           ///< "mm", "deg", "edges"; empty for a bare number
+  std::string help;           ///< one line without a full stop
   /// Least value of an integer, a number or each entry of a list, in `unit`; belongs to the range unless
   /// `minimum_open`.
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();  ///< greatest value, likewise
   bool minimum_open = false;                                 ///< values must be above `minimum`
   bool maximum_open = false;                                 ///< values must be below `maximum`
-  bool infinite = false;             ///< "inf" is allowed and means no limit
-  std::vector<std::string> choices;  ///< of a choice
+  bool infinite = false;                                     ///< "inf" is allowed and means no limit
+  std::vector<std::string> choices;                          ///< of a choice
 
   /// What is allowed, for messages: "a whole number from 3 to 100 (edges)".
   std::string allowed() const;

@@ -6,8 +6,8 @@
 
 namespace tri {
 
-/// Reaches a checkpoint in every so many calls: for loops whose steps are short, from within or from a comparison of a sort.
-/// Belongs to one thread.
+/// Reaches a checkpoint in every so many calls: for loops whose steps are short, from within or from a comparison of a
+/// sort. Belongs to one thread.
 class Pace {
  public:
   static constexpr std::uint32_t usual = 1 << 15;  ///< steps of some 100 ns come to a few milliseconds

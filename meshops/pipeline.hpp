@@ -88,8 +88,9 @@ class Pipeline {
   ///   InvalidInput is prefixed with the step). The steps before the failing one have been done; the mesh is valid.
   std::vector<Report> run(MeshView mesh, Context& context) const;
 
-  /// Runs on points, a soup or a mesh of its own, which changes type where the plan says so. An inserted conversion has a
-  /// report that notes why it is there. @throws as above; `geometry` then holds what the last step that was done left.
+  /// Runs on points, a soup or a mesh of its own, which changes type where the plan says so. An inserted conversion has
+  /// a report that notes why it is there. @throws as above; `geometry` then holds what the last step that was done
+  /// left.
   std::vector<Report> run(Geometry& geometry, Context& context) const;
 
  private:

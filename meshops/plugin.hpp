@@ -31,20 +31,20 @@
 #endif
 /// @endcond
 
-/// What a plug-in and the program that loads it must have in common, as one line of text: the versions of tri, OpenMesh and
-/// nlohmann-json, the compiler and its standard library. Two that say the same may be put together.
-#define TRI_PLUGIN_INTERFACE                                                                                           \
-  "tri " TRI_VERSION_INTERFACE ", " TRI_PLUGIN_COMPILER ", " TRI_PLUGIN_LIBRARY ", OpenMesh " TRI_PLUGIN_TEXT(         \
-      OM_VERSION) ", nlohmann-json " TRI_PLUGIN_TEXT(NLOHMANN_JSON_VERSION_MAJOR) "." TRI_PLUGIN_TEXT(                 \
-      NLOHMANN_JSON_VERSION_MINOR)
+/// What a plug-in and the program that loads it must have in common, as one line of text: the versions of tri, OpenMesh
+/// and nlohmann-json, the compiler and its standard library. Two that say the same may be put together.
+#define TRI_PLUGIN_INTERFACE                                                    \
+  "tri " TRI_VERSION_INTERFACE ", " TRI_PLUGIN_COMPILER ", " TRI_PLUGIN_LIBRARY \
+  ", OpenMesh " TRI_PLUGIN_TEXT(OM_VERSION) ", nlohmann-json " TRI_PLUGIN_TEXT( \
+      NLOHMANN_JSON_VERSION_MAJOR) "." TRI_PLUGIN_TEXT(NLOHMANN_JSON_VERSION_MINOR)
 
 namespace tri {
 
 /// What a plug-in says of itself; `TRI_PLUGIN` makes it.
 struct PluginInfo {
-  const char* interface_text;  ///< "tri plug-in {…}" around the plug-in's TRI_PLUGIN_INTERFACE
-  const char* name;            ///< for messages
-  const char* version;         ///< the plug-in's own, for messages
+  const char* interface_text;                      ///< "tri plug-in {…}" around the plug-in's TRI_PLUGIN_INTERFACE
+  const char* name;                                ///< for messages
+  const char* version;                             ///< the plug-in's own, for messages
   void (*register_operators)(Registry& registry);  ///< adds its operators; may throw
 };
 
@@ -58,10 +58,11 @@ struct PluginInfo {
 ///
 /// @param name      text, for messages
 /// @param version   text, the plug-in's own
-/// @param ...       anything that converts to void (*)(tri::Registry&); adds the operators. What it throws is an error of
+/// @param ...       anything that converts to void (*)(tri::Registry&); adds the operators. What it throws is an error
+/// of
 ///   the plug-in, and nothing of it stays registered.
-#define TRI_PLUGIN(name, version, ...)                                                                     \
-  extern "C" __attribute__((visibility("default"))) const tri::PluginInfo* tri_plugin() {                  \
+#define TRI_PLUGIN(name, version, ...)                                                                       \
+  extern "C" __attribute__((visibility("default"))) const tri::PluginInfo* tri_plugin() {                    \
     static const tri::PluginInfo info{"tri plug-in {" TRI_PLUGIN_INTERFACE "}", name, version, __VA_ARGS__}; \
-    return &info;                                                                                          \
+    return &info;                                                                                            \
   }

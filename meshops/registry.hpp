@@ -48,10 +48,10 @@ class Operator {
   /// The function it was registered with; equal for the same function only.
   Key key() const { return key_; }
 
-  /// Runs on a mesh in place, also an operator on soups (see `run_on_mesh`); the report has its `operation` and `seconds`
-  /// filled.
-  /// @throws InvalidInput if an option is out of range or this is a conversion or works on points; else what the operator's header
-  /// says.
+  /// Runs on a mesh in place, also an operator on soups (see `run_on_mesh`); the report has its `operation` and
+  /// `seconds` filled.
+  /// @throws InvalidInput if an option is out of range or this is a conversion or works on points; else what the
+  /// operator's header says.
   Report run(MeshView mesh, const void* options, Context& context) const;
   /// On points in place. @throws InvalidInput if it does not work on points
   Report run(PointSet& points, const void* options, Context& context) const;

@@ -102,7 +102,8 @@ class Repairer {
  public:
   /// @param watched  every step that may move the surface is undone where it does by more than it may
   Repairer(const Soup& given, const RepairOptions& options, bool watched, Context& context)
-      : given_(given), options_(options), watched_(watched), context_(context), work_(given), size_(soup_diagonal(given)) {}
+      : given_(given), options_(options), watched_(watched), context_(context), work_(given),
+        size_(soup_diagonal(given)) {}
 
   void run() {
     const double farthest = options_.max_deviation * size_;

@@ -9,7 +9,9 @@
 namespace tri {
 namespace {
 
-std::size_t element_index(OpenMesh::BaseHandle handle) { return static_cast<std::size_t>(handle.idx()); }
+std::size_t element_index(OpenMesh::BaseHandle handle) {
+  return static_cast<std::size_t>(handle.idx());
+}
 
 template <class Handle>
 void check(const OpenMesh::TriConnectivity& mesh, Handle handle, std::size_t count, const char* kind) {
@@ -17,7 +19,8 @@ void check(const OpenMesh::TriConnectivity& mesh, Handle handle, std::size_t cou
     throw InvalidInput(fmt::format("selection: {} {} is not of this mesh, which has {}", kind, handle.idx(), count));
   bool deleted = false;
   if constexpr (std::is_same_v<Handle, FaceHandle>) deleted = mesh.has_face_status() && mesh.status(handle).deleted();
-  if constexpr (std::is_same_v<Handle, VertexHandle>) deleted = mesh.has_vertex_status() && mesh.status(handle).deleted();
+  if constexpr (std::is_same_v<Handle, VertexHandle>)
+    deleted = mesh.has_vertex_status() && mesh.status(handle).deleted();
   if constexpr (std::is_same_v<Handle, HalfedgeHandle>)
     deleted = mesh.has_edge_status() && mesh.status(mesh.edge_handle(handle)).deleted();
   if (deleted) throw InvalidInput(fmt::format("selection: {} {} is deleted", kind, handle.idx()));
@@ -49,7 +52,8 @@ Selection Selection::of_faces(const OpenMesh::TriConnectivity& mesh, std::span<c
   for (const FaceHandle f : faces) {
     check(mesh, f, mesh.n_faces(), "face");
     selection.faces_[element_index(f)] = 1;
-    for_each_corner(mesh, f, [&](VertexHandle v) { selection.vertices_[element_index(v)] = selection.rim_[element_index(v)] = 1; });
+    for_each_corner(
+        mesh, f, [&](VertexHandle v) { selection.vertices_[element_index(v)] = selection.rim_[element_index(v)] = 1; });
   }
   for (std::size_t i = 0; i < mesh.n_faces(); ++i) {
     const FaceHandle f(static_cast<int>(i));

@@ -137,7 +137,8 @@ std::uint32_t add_point_between(Soup& soup, std::uint32_t a, std::uint32_t b, do
   if (!soup.vertex_colors.empty()) {
     std::array<std::uint8_t, 3> color{};
     for (std::size_t k = 0; k < 3; ++k)
-      color[k] = static_cast<std::uint8_t>(std::lround(soup.vertex_colors[a][k] * (1 - t) + soup.vertex_colors[b][k] * t));
+      color[k] =
+          static_cast<std::uint8_t>(std::lround(soup.vertex_colors[a][k] * (1 - t) + soup.vertex_colors[b][k] * t));
     soup.vertex_colors.push_back(color);
   }
   if (!soup.vertex_normals.empty()) {
@@ -175,7 +176,8 @@ void add_triangle_in(Soup& soup, const Triangle& triangle, std::uint32_t source)
   }
 }
 
-void add_triangle_from(Soup& soup, const Triangle& triangle, std::uint32_t source, const std::array<std::size_t, 3>& corners) {
+void add_triangle_from(Soup& soup, const Triangle& triangle, std::uint32_t source,
+                       const std::array<std::size_t, 3>& corners) {
   append_triangle(soup, triangle, source);
   for (auto& [name, values] : soup.corner_scalars)
     for (const std::size_t corner : corners) {

@@ -17,11 +17,15 @@ namespace tri {
 void check_soup(const Soup& soup, const Context* context = nullptr);
 
 /// True if the triangle names a vertex twice.
-inline bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+inline bool repeats_vertex(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
 
-/// Whether an even number of swaps sorts the corners; of two triangles with the same corners, whether they face the same
-/// way is whether this is the same.
-inline bool is_even(const Triangle& t) { return (t[0] < t[1]) == ((t[1] < t[2]) == (t[0] < t[2])); }
+/// Whether an even number of swaps sorts the corners; of two triangles with the same corners, whether they face the
+/// same way is whether this is the same.
+inline bool is_even(const Triangle& t) {
+  return (t[0] < t[1]) == ((t[1] < t[2]) == (t[0] < t[2]));
+}
 
 /// Twice the area of a triangle, as a vector in the direction of its normal.
 inline Vec3 area_vector(const Soup& soup, const Triangle& t) {
@@ -38,13 +42,15 @@ double soup_diagonal(const Soup& soup);
 /// @throws Cancelled; the soup is then half done
 void keep_triangles(Soup& soup, const std::vector<char>& keep, const Context* context = nullptr);
 
-/// Gives the points new numbers. Point i becomes `number[i]`; where several get the same, the position and the attributes
-/// of the first are taken. A point whose number is `dropped_point` goes; no triangle may name it. O(points + triangles).
+/// Gives the points new numbers. Point i becomes `number[i]`; where several get the same, the position and the
+/// attributes of the first are taken. A point whose number is `dropped_point` goes; no triangle may name it. O(points +
+/// triangles).
 /// @param count how many points there are afterwards; every number below it occurs
 /// @param context  null: cannot be cancelled
 /// @throws Cancelled; the soup is then half done
 inline constexpr std::uint32_t dropped_point = 0xffffffff;
-void renumber_points(Soup& soup, std::span<const std::uint32_t> number, std::size_t count, const Context* context = nullptr);
+void renumber_points(Soup& soup, std::span<const std::uint32_t> number, std::size_t count,
+                     const Context* context = nullptr);
 
 /// Appends a copy of a point and returns its index.
 std::uint32_t copy_point(Soup& soup, std::uint32_t point);
@@ -64,7 +70,8 @@ void add_triangle_in(Soup& soup, const Triangle& triangle, std::uint32_t source)
 
 /// Appends a triangle with the face attributes of triangle `source`, and at each corner those of a corner of its own.
 /// @param corners  of each: 3 triangle + corner
-void add_triangle_from(Soup& soup, const Triangle& triangle, std::uint32_t source, const std::array<std::size_t, 3>& corners);
+void add_triangle_from(Soup& soup, const Triangle& triangle, std::uint32_t source,
+                       const std::array<std::size_t, 3>& corners);
 
 /// Turns a triangle around: its second and third corner change places.
 void reverse_triangle(Soup& soup, std::uint32_t triangle);

@@ -26,13 +26,16 @@ namespace {
 constexpr const char* vertex_mark = "vertex of the mesh ";
 constexpr const char* face_mark = "face of the mesh ";
 
-std::size_t slot_of(OpenMesh::BaseHandle handle) { return static_cast<std::size_t>(handle.idx()); }
+std::size_t slot_of(OpenMesh::BaseHandle handle) {
+  return static_cast<std::size_t>(handle.idx());
+}
 
 using Corners = std::array<VertexHandle, 3>;
 
 Corners vertices_of(const OpenMesh::TriConnectivity& mesh, FaceHandle f) {
   const HalfedgeHandle h = mesh.halfedge_handle(f), next = mesh.next_halfedge_handle(h);
-  return {mesh.to_vertex_handle(h), mesh.to_vertex_handle(next), mesh.to_vertex_handle(mesh.next_halfedge_handle(next))};
+  return {mesh.to_vertex_handle(h), mesh.to_vertex_handle(next),
+          mesh.to_vertex_handle(mesh.next_halfedge_handle(next))};
 }
 
 bool same_cycle(const Corners& a, const Corners& b) {
@@ -55,7 +58,8 @@ Soup marked_part(MeshView view, const Context& context) {
   if (!view.selection) return soup;
 
   std::vector<char> keep(soup.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t, pace()) keep[t] = view.may_replace(FaceHandle(static_cast<int>(face[t])));
+  for (std::size_t t = 0; t < keep.size(); ++t, pace())
+    keep[t] = view.may_replace(FaceHandle(static_cast<int>(face[t])));
   keep_triangles(soup, keep, &context);
   std::vector<std::uint32_t> number(soup.points.size(), dropped_point);
   std::uint32_t count = 0;
@@ -69,21 +73,16 @@ Soup marked_part(MeshView view, const Context& context) {
 
 /// What a mark says: the index, or `no_index` where the operator mixed marks or made the element from nothing.
 std::uint32_t read_mark(double mark, std::size_t count) {
-  return mark >= 0 && mark < static_cast<double>(count) && mark == std::floor(mark) ? static_cast<std::uint32_t>(mark) : no_index;
+  return mark >= 0 && mark < static_cast<double>(count) && mark == std::floor(mark) ? static_cast<std::uint32_t>(mark)
+                                                                                    : no_index;
 }
 
 /// Puts what became of the part into the mesh.
 class Replacement {
  public:
   Replacement(MeshView view, const Mesh& made, Report& report, const Context& context)
-      : view_(view),
-        mesh_(view.mesh),
-        made_(made),
-        report_(report),
-        context_(context),
-        pace_(context),
-        vertices_(mesh_.n_vertices()),
-        faces_(mesh_.n_faces()) {
+      : view_(view), mesh_(view.mesh), made_(made), report_(report), context_(context), pace_(context),
+        vertices_(mesh_.n_vertices()), faces_(mesh_.n_faces()) {
     require_property(vertex_of_, std::string("v:") + vertex_mark);
     require_property(face_of_, std::string("f:") + face_mark);
   }
@@ -101,7 +100,8 @@ class Replacement {
  private:
   template <class Handle>
   void require_property(Handle& handle, const std::string& name) {
-    if (!made_.get_property_handle(handle, name)) throw InvalidInput("the operator took the marks of the elements away");
+    if (!made_.get_property_handle(handle, name))
+      throw InvalidInput("the operator took the marks of the elements away");
   }
 
   /// Vertices where they were come first, then those that moved; each vertex of the mesh is taken once.
@@ -234,7 +234,8 @@ class Replacement {
       HalfedgeHandle h = made_.halfedge_handle(from);
       for (int k = 0; k < 3; ++k, h = made_.next_halfedge_handle(h)) {
         HalfedgeHandle g = mesh_.halfedge_handle(to);
-        while (mesh_.to_vertex_handle(g) != handle_[slot_of(made_.to_vertex_handle(h))]) g = mesh_.next_halfedge_handle(g);
+        while (mesh_.to_vertex_handle(g) != handle_[slot_of(made_.to_vertex_handle(h))])
+          g = mesh_.next_halfedge_handle(g);
         const double value = (*source)[h.idx()];
         about_to_set(view_, g);
         if (doubles)

@@ -13,10 +13,11 @@ namespace tri {
 
 /// Fills a mesh of any OpenMesh triangle kernel with another: an editor's with what `build_mesh` made of a file.
 ///
-/// Elements come in the same order, elements marked as deleted included. Positions, normals and colours are converted to the
-/// kernel's own types (doubles are rounded to floats where it has floats), and attributes that only the source has are
-/// requested, status attributes always. Properties named "v:…", "e:…", "h:…", "f:…" and "m:…" come along. Properties that only the target has stay,
-/// with default values; one of the same name becomes a copy of the source's. O(elements).
+/// Elements come in the same order, elements marked as deleted included. Positions, normals and colours are converted
+/// to the kernel's own types (doubles are rounded to floats where it has floats), and attributes that only the source
+/// has are requested, status attributes always. Properties named "v:…", "e:…", "h:…", "f:…" and "m:…" come along.
+/// Properties that only the target has stay, with default values; one of the same name becomes a copy of the source's.
+/// O(elements).
 /// @param target  its elements are dropped; handles to them become invalid, handles to its properties stay valid unless
 ///   the source has one of that name
 template <class Kernel>
@@ -53,9 +54,8 @@ void to_kernel(const Mesh& source, Kernel& target) {
   }
   if (source.has_vertex_colors()) {
     if (!target.has_vertex_colors()) target.request_vertex_colors();
-    for_vertices([&](VertexHandle v) {
-      target.set_color(v, OpenMesh::color_cast<typename Kernel::Color>(source.color(v)));
-    });
+    for_vertices(
+        [&](VertexHandle v) { target.set_color(v, OpenMesh::color_cast<typename Kernel::Color>(source.color(v))); });
   }
 
   const auto is_attribute = [](const std::string& name) {  // done above, or nothing that could be found again
@@ -75,16 +75,21 @@ void to_kernel(const Mesh& source, Kernel& target) {
       }
     }
   };
-  copy(source.vprops_begin(), source.vprops_end(), [&] { return std::pair(target.vprops_begin(), target.vprops_end()); },
-       [&](auto* p) { target._add_vprop(p); });
-  copy(source.eprops_begin(), source.eprops_end(), [&] { return std::pair(target.eprops_begin(), target.eprops_end()); },
-       [&](auto* p) { target._add_eprop(p); });
-  copy(source.hprops_begin(), source.hprops_end(), [&] { return std::pair(target.hprops_begin(), target.hprops_end()); },
-       [&](auto* p) { target._add_hprop(p); });
-  copy(source.fprops_begin(), source.fprops_end(), [&] { return std::pair(target.fprops_begin(), target.fprops_end()); },
-       [&](auto* p) { target._add_fprop(p); });
-  copy(source.mprops_begin(), source.mprops_end(), [&] { return std::pair(target.mprops_begin(), target.mprops_end()); },
-       [&](auto* p) { target._add_mprop(p); });
+  copy(
+      source.vprops_begin(), source.vprops_end(), [&] { return std::pair(target.vprops_begin(), target.vprops_end()); },
+      [&](auto* p) { target._add_vprop(p); });
+  copy(
+      source.eprops_begin(), source.eprops_end(), [&] { return std::pair(target.eprops_begin(), target.eprops_end()); },
+      [&](auto* p) { target._add_eprop(p); });
+  copy(
+      source.hprops_begin(), source.hprops_end(), [&] { return std::pair(target.hprops_begin(), target.hprops_end()); },
+      [&](auto* p) { target._add_hprop(p); });
+  copy(
+      source.fprops_begin(), source.fprops_end(), [&] { return std::pair(target.fprops_begin(), target.fprops_end()); },
+      [&](auto* p) { target._add_fprop(p); });
+  copy(
+      source.mprops_begin(), source.mprops_end(), [&] { return std::pair(target.mprops_begin(), target.mprops_end()); },
+      [&](auto* p) { target._add_mprop(p); });
 }
 
 }  // namespace tri

@@ -45,11 +45,13 @@ using Scalars = std::map<std::string, std::vector<double>>;
 /// One number per element that stays. @param number  of the element with an index
 std::vector<double> gather(Indices elements, const auto& number) {
   std::vector<double> values(elements.size());
-  for_all(elements.size(), elements.context, [&](std::size_t k) { values[k] = static_cast<double>(number(elements[k])); });
+  for_all(elements.size(), elements.context,
+          [&](std::size_t k) { values[k] = static_cast<double>(number(elements[k])); });
   return values;
 }
 
-/// Bools and numbers become the scalar `name`, vectors a scalar for each of their numbers. @return whether the property holds such
+/// Bools and numbers become the scalar `name`, vectors a scalar for each of their numbers. @return whether the property
+/// holds such
 bool add_scalars(const OpenMesh::BaseProperty& property, const std::string& name, Indices elements, Scalars& scalars,
                  std::span<const char* const> columns = {}) {
   if (const auto* flags = dynamic_cast<const PropertyT<bool>*>(&property)) {
@@ -59,8 +61,9 @@ bool add_scalars(const OpenMesh::BaseProperty& property, const std::string& name
   return visit_numbers(property, [&](const auto& rows) {
     const bool named = rows.vector && static_cast<int>(columns.size()) == rows.size;
     for (int k = 0; k < rows.size; ++k)
-      scalars[!rows.vector ? name : named ? columns[static_cast<std::size_t>(k)] : name + "_" + std::to_string(k)] =
-          gather(elements, [&](std::uint32_t i) { return rows(i, k); });
+      scalars[!rows.vector ? name
+              : named      ? columns[static_cast<std::size_t>(k)]
+                      : name + "_" + std::to_string(k)] = gather(elements, [&](std::uint32_t i) { return rows(i, k); });
   });
 }
 
@@ -96,7 +99,8 @@ bool gather_normals(const OpenMesh::BaseProperty& property, Indices vertices, So
     if (rows.size != 3) return;
     gathered = true;
     for (const std::uint32_t i : vertices)
-      soup.vertex_normals.emplace_back(static_cast<double>(rows(i, 0)), static_cast<double>(rows(i, 1)), static_cast<double>(rows(i, 2)));
+      soup.vertex_normals.emplace_back(static_cast<double>(rows(i, 0)), static_cast<double>(rows(i, 1)),
+                                       static_cast<double>(rows(i, 2)));
   });
   return gathered;
 }
@@ -154,7 +158,8 @@ Soup to_soup(const MeshView& view, const Context* context) {
   soup.triangles.resize(faces.size());
   for_all(faces.size(), context, [&](std::size_t k) {
     // `build_mesh` stores the side from a triangle's first corner, so triples come back as they were.
-    const HalfedgeHandle a = mesh.halfedge_handle(FaceHandle(static_cast<int>(faces[k]))), b = mesh.next_halfedge_handle(a);
+    const HalfedgeHandle a = mesh.halfedge_handle(FaceHandle(static_cast<int>(faces[k]))),
+                         b = mesh.next_halfedge_handle(a);
     const auto corner = [&](HalfedgeHandle h) { return number[mesh.from_vertex_handle(h).idx()]; };
     soup.triangles[k] = {corner(a), corner(b), corner(mesh.next_halfedge_handle(b))};
   });
@@ -168,7 +173,8 @@ Soup to_soup(const MeshView& view, const Context* context) {
     for (std::size_t i = corners.size() / 3; i < faces.size(); ++i, pace()) {
       const HalfedgeHandle first = mesh.halfedge_handle(FaceHandle(static_cast<int>(faces[i])));
       HalfedgeHandle h = mesh.prev_halfedge_handle(first);  // ends in the first corner
-      for (int k = 0; k < 3; ++k, h = mesh.next_halfedge_handle(h)) corners.push_back(static_cast<std::uint32_t>(h.idx()));
+      for (int k = 0; k < 3; ++k, h = mesh.next_halfedge_handle(h))
+        corners.push_back(static_cast<std::uint32_t>(h.idx()));
     }
     const std::string name = (*it)->name().substr(2);
     add_scalars(**it, name, {corners, context}, soup.corner_scalars, columns_of(name));

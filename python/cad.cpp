@@ -29,7 +29,8 @@ namespace {
 /// A CAD model, with what is made of it once. Never changes but for that.
 class ModelObject {
  public:
-  ModelObject(const Shape& read, double sew, Context& context) : shape(read), model(make_cad_model(read, sew, context)) {}
+  ModelObject(const Shape& read, double sew, Context& context)
+      : shape(read), model(make_cad_model(read, sew, context)) {}
 
   const Registration& registration(Context& context) const {
     const std::lock_guard lock(mutex_);
@@ -90,8 +91,9 @@ py::list faces_of(const ModelObject& m) {
   return faces;
 }
 
-py::dict measure_model(const Model& model, std::uint64_t points, const std::string& pattern, double noise, double outliers,
-                       double line_ratio, bool move, bool shuffle, std::uint64_t seed, const py::object& progress, int threads) {
+py::dict measure_model(const Model& model, std::uint64_t points, const std::string& pattern, double noise,
+                       double outliers, double line_ratio, bool move, bool shuffle, std::uint64_t seed,
+                       const py::object& progress, int threads) {
   MeasurementOptions options;
   options.points = points;
   options.pattern = sampling_pattern(pattern);
@@ -130,9 +132,10 @@ py::tuple triangulate_points(const Model& model, const py::object& points, const
                              const std::string& unmeasured, double hole_size, std::optional<double> outlier_distance,
                              bool patches, const py::object& progress, int threads) {
   TriangulateOptions options;
-  options.method = choice<Method>("method", method,
-                                  {{"auto", Method::automatic}, {"patches", Method::patches}, {"shell", Method::shell}});
-  options.unmeasured = choice<Unmeasured>("unmeasured", unmeasured, {{"hole", Unmeasured::hole}, {"span", Unmeasured::span}});
+  options.method = choice<Method>(
+      "method", method, {{"auto", Method::automatic}, {"patches", Method::patches}, {"shell", Method::shell}});
+  options.unmeasured =
+      choice<Unmeasured>("unmeasured", unmeasured, {{"hole", Unmeasured::hole}, {"span", Unmeasured::span}});
   options.hole_size = hole_size;
   options.outlier_distance = outlier_distance;
   options.keep_patches = patches;
@@ -203,8 +206,9 @@ py::dict register_on(const Model& model, const py::object& points, const py::obj
   return feet_dict(feet, model->model);
 }
 
-py::tuple compare_points(const Model& model, const py::object& points, const std::optional<std::pair<double, double>>& tolerance,
-                         std::optional<double> max_distance, std::size_t spots, const py::object& progress, int threads) {
+py::tuple compare_points(const Model& model, const py::object& points,
+                         const std::optional<std::pair<double, double>>& tolerance, std::optional<double> max_distance,
+                         std::size_t spots, const py::object& progress, int threads) {
   DeviationOptions options;
   if (tolerance) options.tolerance = Tolerance{tolerance->first, tolerance->second};
   options.max_distance = max_distance;
@@ -222,20 +226,30 @@ py::tuple compare_points(const Model& model, const py::object& points, const std
 }  // namespace
 
 void add_cad(py::module_& module) {
-  py::class_<ModelObject, Model>(module, "Model", "A CAD model: trimmed faces of any surface type, in millimetres. Never changes.")
-      .def_property_readonly("faces", &faces_of, "A list with a dict for each face: face (1-based), name, surface, area (mm^2).")
-      .def_property_readonly("diagonal", [](const ModelObject& m) { return m.model.diagonal; }, "Of the bounding box, mm.")
+  py::class_<ModelObject, Model>(module, "Model",
+                                 "A CAD model: trimmed faces of any surface type, in millimetres. Never changes.")
+      .def_property_readonly("faces", &faces_of,
+                             "A list with a dict for each face: face (1-based), name, surface, area (mm^2).")
+      .def_property_readonly(
+          "diagonal", [](const ModelObject& m) { return m.model.diagonal; }, "Of the bounding box, mm.")
       .def_property_readonly(
           "box",
-          [](const ModelObject& m) { return copy_of_points(std::array{m.model.box_min, m.model.box_max}); },
+          [](const ModelObject& m) {
+            return copy_of_points(std::array{m.model.box_min, m.model.box_max});
+          },
           "(2, 3) float64: least and greatest coordinates, mm.")
-      .def_property_readonly("warnings", [](const ModelObject& m) { return m.model.warnings; },
-                             "What was repaired or is odd, one sentence each.")
-      .def("__repr__", [](const ModelObject& m) { return "<tri.Model: " + std::to_string(m.model.faces.size()) + " faces>"; });
-  module.def("read_cad", &read_model, py::arg("path"), py::kw_only(), py::arg("sew") = 0.01, py::arg("progress") = py::none(),
-             py::arg("threads") = 0, "Reads an IGES, STEP or BREP file; loose faces are joined at `sew` mm.");
-  module.def("write_cad", [](const std::filesystem::path& path, const Model& model) { write_cad(path.string(), model->shape); },
-             py::arg("path"), py::arg("model"), "Writes .igs, .step or .brep, in millimetres.");
+      .def_property_readonly(
+          "warnings", [](const ModelObject& m) { return m.model.warnings; },
+          "What was repaired or is odd, one sentence each.")
+      .def("__repr__",
+           [](const ModelObject& m) { return "<tri.Model: " + std::to_string(m.model.faces.size()) + " faces>"; });
+  module.def("read_cad", &read_model, py::arg("path"), py::kw_only(), py::arg("sew") = 0.01,
+             py::arg("progress") = py::none(), py::arg("threads") = 0,
+             "Reads an IGES, STEP or BREP file; loose faces are joined at `sew` mm.");
+  module.def(
+      "write_cad",
+      [](const std::filesystem::path& path, const Model& model) { write_cad(path.string(), model->shape); },
+      py::arg("path"), py::arg("model"), "Writes .igs, .step or .brep, in millimetres.");
   module.def("example_part", &make_example, py::arg("name"), "Builds an example part: see example_parts().");
   module.def(
       "example_parts",
@@ -245,21 +259,25 @@ void add_cad(py::module_& module) {
         return parts;
       },
       "The example parts, each with one line of description.");
-  module.def("measure", &measure_model, py::arg("model"), py::arg("points") = 10000, py::kw_only(), py::arg("pattern") = "random",
-             py::arg("noise") = 0.0, py::arg("outliers") = 0.0, py::arg("line_ratio") = 10.0, py::arg("move") = false,
-             py::arg("shuffle") = false, py::arg("seed") = 1, py::arg("progress") = py::none(), py::arg("threads") = 0,
-             "Measures a model virtually. pattern: random, scan or grid; noise: standard deviation along the normal, mm;\n"
-             "outliers: their share. Returns a dict: points (Points), truth (face, point, normal, outlier), to_model (4x4), spacing.");
+  module.def(
+      "measure", &measure_model, py::arg("model"), py::arg("points") = 10000, py::kw_only(),
+      py::arg("pattern") = "random", py::arg("noise") = 0.0, py::arg("outliers") = 0.0, py::arg("line_ratio") = 10.0,
+      py::arg("move") = false, py::arg("shuffle") = false, py::arg("seed") = 1, py::arg("progress") = py::none(),
+      py::arg("threads") = 0,
+      "Measures a model virtually. pattern: random, scan or grid; noise: standard deviation along the normal, mm;\n"
+      "outliers: their share. Returns a dict: points (Points), truth (face, point, normal, outlier), to_model (4x4), spacing.");
   module.def("triangulate_points", &triangulate_points, py::arg("model"), py::arg("points"), py::arg("method"),
-             py::arg("unmeasured"), py::arg("hole_size"), py::arg("outlier_distance"), py::arg("patches"), py::arg("progress"),
-             py::arg("threads"), "Returns the mesh, the report, and the mesh before stitching or None.");
+             py::arg("unmeasured"), py::arg("hole_size"), py::arg("outlier_distance"), py::arg("patches"),
+             py::arg("progress"), py::arg("threads"),
+             "Returns the mesh, the report, and the mesh before stitching or None.");
   module.def("align_points", &align_points, py::arg("model"), py::arg("points"), py::arg("mode"), py::arg("start"),
-             py::arg("metric"), py::arg("keep"), py::arg("probe_radius"), py::arg("seed"), py::arg("progress"), py::arg("threads"),
-             "Returns the moved points, the pose and the report.");
-  module.def("register", &register_on, py::arg("model"), py::arg("points"), py::kw_only(), py::arg("progress") = py::none(),
-             py::arg("threads") = 0,
-             "The closest point on the model for each point, as a dict of arrays: face (1-based; 0 for a point that is not\n"
-             "finite), uv, foot, deviation (mm, positive outside), on_edge.");
+             py::arg("metric"), py::arg("keep"), py::arg("probe_radius"), py::arg("seed"), py::arg("progress"),
+             py::arg("threads"), "Returns the moved points, the pose and the report.");
+  module.def(
+      "register", &register_on, py::arg("model"), py::arg("points"), py::kw_only(), py::arg("progress") = py::none(),
+      py::arg("threads") = 0,
+      "The closest point on the model for each point, as a dict of arrays: face (1-based; 0 for a point that is not\n"
+      "finite), uv, foot, deviation (mm, positive outside), on_edge.");
   module.def("compare_points", &compare_points, py::arg("model"), py::arg("points"), py::arg("tolerance"),
              py::arg("max_distance"), py::arg("spots"), py::arg("progress"), py::arg("threads"),
              "Returns the deviation and the face of every point, and the report.");

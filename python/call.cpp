@@ -23,7 +23,7 @@ Call::Call(py::object progress, int threads) : progress_(std::move(progress)) {
   context_.threads = threads;
   if (!progress_.is_none())
     context_.on_progress = [this, last = Clock::time_point(), last_step = std::string()](std::string_view step,
-                                                                                       double share) mutable {
+                                                                                         double share) mutable {
       const auto now = Clock::now();
       if (raised_ || (share < 1 && step == last_step && now - last < least_pause)) return;
       last = now;

@@ -14,8 +14,9 @@ namespace tri::python {
 
 namespace py = pybind11;
 
-/// Runs `work(context)` without Python's lock. `progress(step, share)` is called at most 50 times a second and at the end of
-/// each step; what it raises, and Ctrl-C in the main thread, cancels the work and is raised when the work has stopped.
+/// Runs `work(context)` without Python's lock. `progress(step, share)` is called at most 50 times a second and at the
+/// end of each step; what it raises, and Ctrl-C in the main thread, cancels the work and is raised when the work has
+/// stopped.
 class Call {
  public:
   /// @param progress  callable or None @param threads  as `Context::threads`; InvalidInput if negative
@@ -26,7 +27,8 @@ class Call {
     std::exception_ptr failure;
     struct Nothing {};
     constexpr bool is_void = std::is_void_v<decltype(work(context_))>;
-    std::conditional_t<is_void, Nothing, std::optional<std::conditional_t<is_void, Nothing, decltype(work(context_))>>> result;
+    std::conditional_t<is_void, Nothing, std::optional<std::conditional_t<is_void, Nothing, decltype(work(context_))>>>
+        result;
     {
       const py::gil_scoped_release unlocked;
       try {

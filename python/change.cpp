@@ -79,12 +79,16 @@ ChangeNotes joined(const ChangeNotes& first, const ChangeNotes& second) {
   return both;
 }
 
-py::array_t<std::uint32_t> array_of(const Indices& indices) { return copy_of_rows<std::uint32_t>(indices, 0); }
+py::array_t<std::uint32_t> array_of(const Indices& indices) {
+  return copy_of_rows<std::uint32_t>(indices, 0);
+}
 
 void add_notes(py::module_& module) {
-  py::class_<ElementNotes> element(module, "ElementNotes", "What became of the elements of one kind: arrays of indices, ascending.");
-  const auto list = [&](const char* name, Indices ElementNotes::* member, const char* doc) {
-    element.def_property_readonly(name, [member](const ElementNotes& n) { return array_of(n.*member); }, doc);
+  py::class_<ElementNotes> element(module, "ElementNotes",
+                                   "What became of the elements of one kind: arrays of indices, ascending.");
+  const auto list = [&](const char* name, Indices ElementNotes::*member, const char* doc) {
+    element.def_property_readonly(
+        name, [member](const ElementNotes& n) { return array_of(n.*member); }, doc);
   };
   list("added", &ElementNotes::added, "There now and not before.");
   list("removed", &ElementNotes::removed, "Marked as deleted now and not before.");
@@ -95,15 +99,21 @@ void add_notes(py::module_& module) {
   notes.def_readonly("vertices", &ChangeNotes::vertices, "ElementNotes of the vertices.");
   notes.def_readonly("edges", &ChangeNotes::edges, "ElementNotes of the edges.");
   notes.def_readonly("faces", &ChangeNotes::faces, "ElementNotes of the faces.");
-  notes.def_property_readonly("vertices_moved", [](const ChangeNotes& n) { return array_of(n.vertices_moved); },
-                              "Indices of vertices that stayed and were moved.");
-  notes.def_readonly("renumbered", &ChangeNotes::renumbered,
-                     "True if elements have other indices (compact): everything may have changed, and the lists are empty.");
-  notes.def_readonly("properties_added", &ChangeNotes::properties_added, "Names of properties that are there now and not before.");
-  notes.def_readonly("properties_removed", &ChangeNotes::properties_removed, "Names of properties that were there before.");
-  notes.def_readonly("properties_rewritten", &ChangeNotes::properties_rewritten, "Names of properties rewritten as a whole.");
+  notes.def_property_readonly(
+      "vertices_moved", [](const ChangeNotes& n) { return array_of(n.vertices_moved); },
+      "Indices of vertices that stayed and were moved.");
+  notes.def_readonly(
+      "renumbered", &ChangeNotes::renumbered,
+      "True if elements have other indices (compact): everything may have changed, and the lists are empty.");
+  notes.def_readonly("properties_added", &ChangeNotes::properties_added,
+                     "Names of properties that are there now and not before.");
+  notes.def_readonly("properties_removed", &ChangeNotes::properties_removed,
+                     "Names of properties that were there before.");
+  notes.def_readonly("properties_rewritten", &ChangeNotes::properties_rewritten,
+                     "Names of properties rewritten as a whole.");
   notes.def_property_readonly("empty", &ChangeNotes::empty, "True if nothing changed.");
-  notes.def("inverse", &ChangeNotes::inverse, "What an undo changes: what was added is removed and the other way round.");
+  notes.def("inverse", &ChangeNotes::inverse,
+            "What an undo changes: what was added is removed and the other way round.");
 }
 
 }  // namespace
@@ -145,9 +155,10 @@ ChangeNotes Change::notes() const {
 }
 
 void add_recording(py::class_<HeldMesh, std::shared_ptr<HeldMesh>>& type) {
-  type.def("record", [](const std::shared_ptr<HeldMesh>& mesh) { return std::make_shared<Change>(mesh); },
-           "with mesh.record() as change: what operators do to the mesh in the block can be undone. An exception in the block\n"
-           "takes it all back. Values written into arrays are not recorded.");
+  type.def(
+      "record", [](const std::shared_ptr<HeldMesh>& mesh) { return std::make_shared<Change>(mesh); },
+      "with mesh.record() as change: what operators do to the mesh in the block can be undone. An exception in the block\n"
+      "takes it all back. Values written into arrays are not recorded.");
 }
 
 void add_changes(py::module_& module) {
@@ -159,20 +170,23 @@ void add_changes(py::module_& module) {
       .def("__enter__",
            [](const std::shared_ptr<Change>& change) {
              if (change->mesh().recording.lock()) throw InvalidInput("this mesh is being recorded already");
-             if (!change->parts().empty()) throw InvalidInput("this change is recorded already; mesh.record() begins another");
+             if (!change->parts().empty())
+               throw InvalidInput("this change is recorded already; mesh.record() begins another");
              change->mesh().recording = change;
              return change;
            })
-      .def("__exit__",
-           [](Change& change, const py::object& type, const py::object&, const py::object&) {
-             change.mesh().recording.reset();
-             if (!type.is_none() && !change.undone()) change.undo();
-             return false;
-           },
-           py::arg("type"), py::arg("value"), py::arg("traceback"))
+      .def(
+          "__exit__",
+          [](Change& change, const py::object& type, const py::object&, const py::object&) {
+            change.mesh().recording.reset();
+            if (!type.is_none() && !change.undone()) change.undo();
+            return false;
+          },
+          py::arg("type"), py::arg("value"), py::arg("traceback"))
       .def("undo", &Change::undo,
            "Takes the change back. InvalidInput, and nothing done, if it is undone or the mesh was changed since.")
-      .def("redo", &Change::redo, "Does it again. InvalidInput, and nothing done, if it is not undone or the mesh was changed since.")
+      .def("redo", &Change::redo,
+           "Does it again. InvalidInput, and nothing done, if it is not undone or the mesh was changed since.")
       .def_property_readonly("undone", &Change::undone, "True after an undo, False after a redo.")
       .def_property_readonly("empty", &Change::empty, "True if the operators wrote nothing at all.")
       .def_property_readonly("notes", &Change::notes, "ChangeNotes: what was added, removed and moved.")

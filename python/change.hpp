@@ -16,8 +16,8 @@ class Change {
   explicit Change(std::shared_ptr<HeldMesh> mesh) : mesh_(std::move(mesh)) {}
 
   void add(ChangeSet done) { done_.push_back(std::move(done)); }
-  /// Takes all of it back, last first. @throws InvalidInput if it is undone, or the mesh was changed since; the mesh is then as
-  /// it was before the call
+  /// Takes all of it back, last first. @throws InvalidInput if it is undone, or the mesh was changed since; the mesh is
+  /// then as it was before the call
   void undo();
   void redo();
   bool undone() const { return undone_; }

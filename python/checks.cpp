@@ -37,7 +37,8 @@ class Triangles {
   Soup copy_;
 };
 
-py::object check(const py::object& mesh, std::size_t most, bool self_intersections, const py::object& progress, int threads) {
+py::object check(const py::object& mesh, std::size_t most, bool self_intersections, const py::object& progress,
+                 int threads) {
   const Triangles triangles(mesh);
   Call call(progress, threads);
   MeshCheckOptions options;
@@ -46,8 +47,8 @@ py::object check(const py::object& mesh, std::size_t most, bool self_intersectio
   return to_python(tri::to_json(result, most));
 }
 
-py::object distance(const py::object& first, const py::object& second, std::optional<std::uint64_t> samples, std::uint64_t seed,
-                    double relative_error, const py::object& progress, int threads) {
+py::object distance(const py::object& first, const py::object& second, std::optional<std::uint64_t> samples,
+                    std::uint64_t seed, double relative_error, const py::object& progress, int threads) {
   const Triangles a(first), b(second);
   MeshDistanceOptions options;
   options.samples = samples;
@@ -61,7 +62,8 @@ py::object distance(const py::object& first, const py::object& second, std::opti
   return dict;
 }
 
-py::object repair_soup(HeldSoup& held, const std::string& goal, double max_deviation, const py::object& progress, int threads) {
+py::object repair_soup(HeldSoup& held, const std::string& goal, double max_deviation, const py::object& progress,
+                       int threads) {
   RepairOptions options;
   options.goal = choice<RepairGoal>(
       "goal", goal, {{"auto", RepairGoal::automatic}, {"solid", RepairGoal::solid}, {"surface", RepairGoal::surface}});
@@ -80,16 +82,19 @@ py::object repair_soup(HeldSoup& held, const std::string& goal, double max_devia
 }  // namespace
 
 void add_checks(py::module_& module) {
-  module.def("check", &check, py::arg("mesh"), py::kw_only(), py::arg("most") = 100, py::arg("self_intersections") = true,
-             py::arg("progress") = py::none(), py::arg("threads") = 0,
-             "What is wrong with a Mesh or Soup and where, as a dict: verdict, counts, defects, places (at most `most` of each).");
-  module.def("mesh_distance", &distance, py::arg("first"), py::arg("second"), py::kw_only(), py::arg("samples") = py::none(),
-             py::arg("seed") = 1, py::arg("relative_error") = 0.01, py::arg("progress") = py::none(), py::arg("threads") = 0,
-             "How far two surfaces are apart, as a dict: hausdorff and hausdorff_bound, between which the Hausdorff distance lies,\n"
-             "mean, rms, and both directions, each with the signed distance of every vertex (values). Model units.");
-  module.def("repair", &repair_soup, py::arg("soup"), py::kw_only(), py::arg("goal") = "auto", py::arg("max_deviation") = 5e-4,
-             py::arg("progress") = py::none(), py::arg("threads") = 0,
-             "Makes a clean mesh of any triangles, in place: goal is solid, surface or auto. Returns what every step did.");
+  module.def(
+      "check", &check, py::arg("mesh"), py::kw_only(), py::arg("most") = 100, py::arg("self_intersections") = true,
+      py::arg("progress") = py::none(), py::arg("threads") = 0,
+      "What is wrong with a Mesh or Soup and where, as a dict: verdict, counts, defects, places (at most `most` of each).");
+  module.def(
+      "mesh_distance", &distance, py::arg("first"), py::arg("second"), py::kw_only(), py::arg("samples") = py::none(),
+      py::arg("seed") = 1, py::arg("relative_error") = 0.01, py::arg("progress") = py::none(), py::arg("threads") = 0,
+      "How far two surfaces are apart, as a dict: hausdorff and hausdorff_bound, between which the Hausdorff distance lies,\n"
+      "mean, rms, and both directions, each with the signed distance of every vertex (values). Model units.");
+  module.def(
+      "repair", &repair_soup, py::arg("soup"), py::kw_only(), py::arg("goal") = "auto", py::arg("max_deviation") = 5e-4,
+      py::arg("progress") = py::none(), py::arg("threads") = 0,
+      "Makes a clean mesh of any triangles, in place: goal is solid, surface or auto. Returns what every step did.");
 }
 
 }  // namespace tri::python

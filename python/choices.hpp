@@ -10,7 +10,8 @@ namespace tri::python {
 
 /// The value that an option's text stands for. @throws InvalidInput naming the option, the text and what is allowed
 template <class Value>
-Value choice(const char* option, const std::string& text, std::initializer_list<std::pair<const char*, Value>> allowed) {
+Value choice(const char* option, const std::string& text,
+             std::initializer_list<std::pair<const char*, Value>> allowed) {
   std::string names;
   for (const auto& [name, value] : allowed) {
     if (text == name) return value;

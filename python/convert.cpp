@@ -42,8 +42,9 @@ py::object to_python(const Json& json) {
     }
     case Json::value_t::string:
       // File names and names in files may be no UTF-8.
-      return py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
-          json.get_ref<const std::string&>().data(), static_cast<py::ssize_t>(json.get_ref<const std::string&>().size()), "replace"));
+      return py::reinterpret_steal<py::object>(
+          PyUnicode_DecodeUTF8(json.get_ref<const std::string&>().data(),
+                               static_cast<py::ssize_t>(json.get_ref<const std::string&>().size()), "replace"));
     case Json::value_t::boolean:
       return py::bool_(json.get<bool>());
     case Json::value_t::number_integer:
@@ -69,7 +70,8 @@ Json to_json(const py::handle& object) {
   if (py::isinstance<py::str>(object)) return object.cast<std::string>();
   if (py::isinstance<py::dict>(object)) {
     Json json = Json::object();
-    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(object)) json[key.cast<std::string>()] = to_json(value);
+    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(object))
+      json[key.cast<std::string>()] = to_json(value);
     return json;
   }
   if (PyFloat_Check(object.ptr()) || PyNumber_Check(object.ptr())) {
@@ -117,8 +119,8 @@ std::vector<Triangle> to_triangles(const py::handle& object, std::size_t points)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int64_t index = from[3 * i + k];
       if (index < 0 || static_cast<std::uint64_t>(index) >= points)
-        throw InvalidInput("triangle " + std::to_string(i) + " names vertex " + std::to_string(index) + ", and there are " +
-                           std::to_string(points));
+        throw InvalidInput("triangle " + std::to_string(i) + " names vertex " + std::to_string(index) +
+                           ", and there are " + std::to_string(points));
       triangles[i][k] = static_cast<std::uint32_t>(index);
     }
   return triangles;

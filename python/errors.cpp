@@ -1,7 +1,6 @@
-#include "meshops/error.hpp"
-
 #include <exception>
 
+#include "meshops/error.hpp"
 #include "python/module.hpp"
 
 namespace tri::python {
@@ -22,7 +21,8 @@ PyObject* make_type(py::module_& module, const char* name, const char* doc, cons
 py::str text_of(const std::exception& error) {
   // File names may be no UTF-8.
   const std::string text = error.what();
-  return py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
 }
 
 void set_io_error(const IoError& error) {
@@ -56,13 +56,15 @@ void add_errors(py::module_& module) {
   error_type = make_type(module, "Error", "Base of every exception that the library raises on purpose.",
                          py::make_tuple(py::handle(PyExc_Exception)));
   const py::handle base(error_type);
-  invalid_input_type = make_type(module, "InvalidInput",
-                                 "A broken contract: an option out of range, an unknown name, an array of the wrong shape.",
-                                 py::make_tuple(base, py::handle(PyExc_ValueError)));
-  io_error_type = make_type(module, "IoError",
-                            "A file that cannot be read or written, or holds what no reader accepts. Attributes: file; line\n"
-                            "(1-based) or byte (0-based) where it is known, else None.",
-                            py::make_tuple(base, py::handle(PyExc_OSError)));
+  invalid_input_type =
+      make_type(module, "InvalidInput",
+                "A broken contract: an option out of range, an unknown name, an array of the wrong shape.",
+                py::make_tuple(base, py::handle(PyExc_ValueError)));
+  io_error_type =
+      make_type(module, "IoError",
+                "A file that cannot be read or written, or holds what no reader accepts. Attributes: file; line\n"
+                "(1-based) or byte (0-based) where it is known, else None.",
+                py::make_tuple(base, py::handle(PyExc_OSError)));
   cad_error_type = make_type(module, "CadError", "A CAD model that can be read but not used.", py::make_tuple(base));
   cancelled_type = make_type(module, "Cancelled", "Work that was stopped.", py::make_tuple(base));
   py::register_exception_translator(&translate);

@@ -20,8 +20,8 @@ std::string path_of(const py::object& object) {
 
 std::shared_ptr<HeldSoup> read_soup(const py::object& path, const py::object& progress, int threads) {
   Call call(progress, threads);
-  return std::make_shared<HeldSoup>(call.run(
-      [name = path_of(path)](Context& context) { return std::make_shared<Soup>(read_mesh(name, context)); }));
+  return std::make_shared<HeldSoup>(
+      call.run([name = path_of(path)](Context& context) { return std::make_shared<Soup>(read_mesh(name, context)); }));
 }
 
 std::shared_ptr<HeldPoints> read_points_object(const py::object& path, const py::object& progress, int threads) {
@@ -52,13 +52,14 @@ std::vector<std::string> write(const py::object& path, const py::object& object,
 }  // namespace
 
 void add_files(py::module_& module) {
-  module.def("read_soup", &read_soup, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(), py::arg("threads") = 0,
-             "Reads STL, OBJ, PLY or OFF as a Soup: every face as the file has it.");
+  module.def("read_soup", &read_soup, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+             py::arg("threads") = 0, "Reads STL, OBJ, PLY or OFF as a Soup: every face as the file has it.");
   module.def("read_points", &read_points_object, py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
              py::arg("threads") = 0, "Reads Points from text, CSV, PLY, PCD, PTX or E57, in the unit of the file.");
-  module.def("write", &write, py::arg("path"), py::arg("object"), py::kw_only(), py::arg("ascii") = false,
-             "Writes a Mesh, a Soup or Points; the ending of the name gives the format. The file appears whole or not at all.\n"
-             "Returns what the format could not hold, one sentence each.");
+  module.def(
+      "write", &write, py::arg("path"), py::arg("object"), py::kw_only(), py::arg("ascii") = false,
+      "Writes a Mesh, a Soup or Points; the ending of the name gives the format. The file appears whole or not at all.\n"
+      "Returns what the format could not hold, one sentence each.");
 }
 
 }  // namespace tri::python

@@ -54,7 +54,8 @@ std::shared_ptr<HeldSoup> make_soup(const py::object& points, const py::object& 
 std::shared_ptr<HeldMesh> mesh_of(const Soup& soup) {
   Call call(py::none(), 0);
   // In place: meshes copy where others move.
-  auto built = call.run([&](Context& context) { return std::shared_ptr<BuiltMesh>(new BuiltMesh(build_mesh(soup, context))); });
+  auto built =
+      call.run([&](Context& context) { return std::shared_ptr<BuiltMesh>(new BuiltMesh(build_mesh(soup, context))); });
   built->triangle_of_face = {};
   built->repairs = {};
   auto held = std::make_shared<HeldMesh>(std::shared_ptr<Mesh>(built, &built->mesh));
@@ -96,7 +97,8 @@ py::dict property_views(const std::shared_ptr<Mesh>& owner, Iterator begin, Iter
 
 std::size_t alive_vertices(const Mesh& mesh) {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < mesh.n_vertices(); ++i) count += !mesh.status(VertexHandle(static_cast<int>(i))).deleted();
+  for (std::size_t i = 0; i < mesh.n_vertices(); ++i)
+    count += !mesh.status(VertexHandle(static_cast<int>(i))).deleted();
   return count;
 }
 
@@ -149,32 +151,55 @@ void add_copy(Class& type) {
   const auto copy = [](const H& held) { return std::make_shared<H>(std::make_shared<T>(*typename H::Reading(held))); };
   type.def("copy", copy, "An independent copy.");
   type.def("__copy__", copy);
-  type.def("__deepcopy__", [copy](const H& held, const py::dict&) { return copy(held); }, py::arg("memo"));
+  type.def(
+      "__deepcopy__", [copy](const H& held, const py::dict&) { return copy(held); }, py::arg("memo"));
 }
 
 void add_points(py::module_& module) {
   py::class_<HeldPoints, std::shared_ptr<HeldPoints>> type(
-      module, "Points", "Measured points, each with what was measured beside its place. Arrays look into the object without a copy.");
+      module, "Points",
+      "Measured points, each with what was measured beside its place. Arrays look into the object without a copy.");
   type.def(py::init(&make_points), py::arg("points"), py::kw_only(), py::arg("normals") = py::none(),
            py::arg("scalars") = py::none(),
            "Copies arrays: points and normals (n, 3), scalars a dict of (n,). Coordinates must be finite.");
   type.def_property_readonly(
-      "points", [](const HeldPoints& p) { const auto s = p.share(); return view_of_rows<double>(s, s->points.data(), s->size(), 3); },
+      "points",
+      [](const HeldPoints& p) {
+        const auto s = p.share();
+        return view_of_rows<double>(s, s->points.data(), s->size(), 3);
+      },
       "(n, 3) float64, no copy: writing into it moves the points.");
   type.def_property_readonly(
-      "normals", [](const HeldPoints& p) { const auto s = p.share(); return column<double>(s, s->normals, 3); },
+      "normals",
+      [](const HeldPoints& p) {
+        const auto s = p.share();
+        return column<double>(s, s->normals, 3);
+      },
       "(n, 3) float64, no copy; None if there are none.");
   type.def_property_readonly(
-      "intensity", [](const HeldPoints& p) { const auto s = p.share(); return column<double>(s, s->intensity, 0); },
+      "intensity",
+      [](const HeldPoints& p) {
+        const auto s = p.share();
+        return column<double>(s, s->intensity, 0);
+      },
       "(n,) float64, no copy; None if there is none.");
   type.def_property_readonly(
-      "colors", [](const HeldPoints& p) { const auto s = p.share(); return column<std::uint8_t>(s, s->colors, 3); },
+      "colors",
+      [](const HeldPoints& p) {
+        const auto s = p.share();
+        return column<std::uint8_t>(s, s->colors, 3);
+      },
       "(n, 3) uint8, no copy; None if there are none.");
   type.def_property_readonly(
-      "scalars", [](const HeldPoints& p) { const auto s = p.share(); return scalar_views(s, s->scalars); },
+      "scalars",
+      [](const HeldPoints& p) {
+        const auto s = p.share();
+        return scalar_views(s, s->scalars);
+      },
       "Further columns by name, each (n,) float64, no copy.");
   type.def("__len__", [](const HeldPoints& p) { return p.share()->size(); });
-  type.def("__repr__", [](const HeldPoints& p) { return "<tri.Points: " + std::to_string(p.share()->size()) + " points>"; });
+  type.def("__repr__",
+           [](const HeldPoints& p) { return "<tri.Points: " + std::to_string(p.share()->size()) + " points>"; });
   add_copy<HeldPoints, PointSet>(type);
 }
 
@@ -185,23 +210,46 @@ void add_soup(py::module_& module) {
   type.def(py::init(&make_soup), py::arg("points"), py::arg("triangles"),
            "Copies arrays: points (n, 3), triangles (m, 3) of whole numbers.");
   type.def_property_readonly(
-      "points", [](const HeldSoup& p) { const auto s = p.share(); return view_of_rows<double>(s, s->points.data(), s->points.size(), 3); },
+      "points",
+      [](const HeldSoup& p) {
+        const auto s = p.share();
+        return view_of_rows<double>(s, s->points.data(), s->points.size(), 3);
+      },
       "(n, 3) float64, no copy: writing into it moves the points.");
   type.def_property_readonly(
       "triangles",
-      [](const HeldSoup& p) { const auto s = p.share(); return view_of_rows<std::uint32_t>(s, s->triangles.data(), s->triangles.size(), 3); },
+      [](const HeldSoup& p) {
+        const auto s = p.share();
+        return view_of_rows<std::uint32_t>(s, s->triangles.data(), s->triangles.size(), 3);
+      },
       "(m, 3) uint32, no copy. Indices must stay below len(points).");
   type.def_property_readonly(
-      "vertex_normals", [](const HeldSoup& p) { const auto s = p.share(); return column<double>(s, s->vertex_normals, 3); },
+      "vertex_normals",
+      [](const HeldSoup& p) {
+        const auto s = p.share();
+        return column<double>(s, s->vertex_normals, 3);
+      },
       "(n, 3) float64, no copy; None if there are none.");
   type.def_property_readonly(
-      "vertex_colors", [](const HeldSoup& p) { const auto s = p.share(); return column<std::uint8_t>(s, s->vertex_colors, 3); },
+      "vertex_colors",
+      [](const HeldSoup& p) {
+        const auto s = p.share();
+        return column<std::uint8_t>(s, s->vertex_colors, 3);
+      },
       "(n, 3) uint8, no copy; None if there are none.");
   type.def_property_readonly(
-      "vertex_scalars", [](const HeldSoup& p) { const auto s = p.share(); return scalar_views(s, s->vertex_scalars); },
+      "vertex_scalars",
+      [](const HeldSoup& p) {
+        const auto s = p.share();
+        return scalar_views(s, s->vertex_scalars);
+      },
       "Values of vertices by name, each (n,) float64, no copy.");
   type.def_property_readonly(
-      "face_scalars", [](const HeldSoup& p) { const auto s = p.share(); return scalar_views(s, s->face_scalars); },
+      "face_scalars",
+      [](const HeldSoup& p) {
+        const auto s = p.share();
+        return scalar_views(s, s->face_scalars);
+      },
       "Values of triangles by name, each (m,) float64, no copy.");
   type.def_property_readonly(
       "corner_scalars",
@@ -216,12 +264,13 @@ void add_soup(py::module_& module) {
   type.def_property_readonly(
       "face_labels", [](const HeldSoup& p) { return p.share()->face_labels; },
       "What the whole values of the face scalar of a name stand for: {\"group\": [\"lid\", \"base\"]}. A copy.");
-  type.def("to_mesh",
-           [](const HeldSoup& soup) { return mesh_of(*HeldSoup::Reading(soup)); },
-           "A Mesh of the triangles: oriented, split where they are not manifold; its build_report says what was done.");
+  type.def(
+      "to_mesh", [](const HeldSoup& soup) { return mesh_of(*HeldSoup::Reading(soup)); },
+      "A Mesh of the triangles: oriented, split where they are not manifold; its build_report says what was done.");
   type.def("__repr__", [](const HeldSoup& p) {
     const auto s = p.share();
-    return "<tri.Soup: " + std::to_string(s->points.size()) + " points, " + std::to_string(s->triangles.size()) + " triangles>";
+    return "<tri.Soup: " + std::to_string(s->points.size()) + " points, " + std::to_string(s->triangles.size()) +
+           " triangles>";
   });
   add_copy<HeldSoup, Soup>(type);
 }
@@ -235,42 +284,68 @@ void add_mesh(py::module_& module) {
            }),
            py::arg("points"), py::arg("faces"),
            "Copies arrays: points (n, 3), faces (m, 3) of whole numbers; the same as Soup(points, faces).to_mesh().");
-  type.def_property_readonly("build_report", [](const HeldMesh& m) { return to_python(m.build_report); },
-                             "What was reversed and split to build the mesh; None for one that was not built from triangles.");
   type.def_property_readonly(
-      "points", [](const HeldMesh& m) { const auto s = m.share(); return view_of_rows<double>(s, s->points(), s->n_vertices(), 3); },
+      "build_report", [](const HeldMesh& m) { return to_python(m.build_report); },
+      "What was reversed and split to build the mesh; None for one that was not built from triangles.");
+  type.def_property_readonly(
+      "points",
+      [](const HeldMesh& m) {
+        const auto s = m.share();
+        return view_of_rows<double>(s, s->points(), s->n_vertices(), 3);
+      },
       "(n, 3) float64, no copy, deleted vertices included: writing into it moves the vertices.");
-  type.def_property_readonly("faces", [](const HeldMesh& m) { return faces_of(*m.share()); },
-                             "(m, 3) uint32: a copy, since half-edges hold no such list; without deleted faces.");
+  type.def_property_readonly(
+      "faces", [](const HeldMesh& m) { return faces_of(*m.share()); },
+      "(m, 3) uint32: a copy, since half-edges hold no such list; without deleted faces.");
   type.def_property_readonly(
       "vertex_properties",
-      [](const HeldMesh& m) { const auto s = m.share(); return property_views(s, s->vprops_begin(), s->vprops_end(), "v:"); },
+      [](const HeldMesh& m) {
+        const auto s = m.share();
+        return property_views(s, s->vprops_begin(), s->vprops_end(), "v:");
+      },
       "Properties of vertices by name, say \"deviation\": (n,) or (n, k) arrays, no copy.");
   type.def_property_readonly(
       "face_properties",
-      [](const HeldMesh& m) { const auto s = m.share(); return property_views(s, s->fprops_begin(), s->fprops_end(), "f:"); },
+      [](const HeldMesh& m) {
+        const auto s = m.share();
+        return property_views(s, s->fprops_begin(), s->fprops_end(), "f:");
+      },
       "Properties of faces by name, deleted faces included, no copy.");
   type.def_property_readonly(
-      "face_indices", [](const HeldMesh& m) { const auto s = m.share(); return indices_of<FaceHandle>(*s, s->n_faces(), false); },
+      "face_indices",
+      [](const HeldMesh& m) {
+        const auto s = m.share();
+        return indices_of<FaceHandle>(*s, s->n_faces(), false);
+      },
       "(m,) uint32: the index of the face in each row of faces, as selections and notes of changes name it.");
-  type.def_property_readonly("halfedges", [](const HeldMesh& m) { return halfedges_of(*m.share()); },
-                             "(h, 2) uint32: the vertices from which and to which each half-edge goes, deleted ones included: a copy.");
+  type.def_property_readonly(
+      "halfedges", [](const HeldMesh& m) { return halfedges_of(*m.share()); },
+      "(h, 2) uint32: the vertices from which and to which each half-edge goes, deleted ones included: a copy.");
   type.def_property_readonly("boundary_loops", &loops_of,
                              "A list with an array for each boundary loop: the indices of its half-edges, in order.");
   type.def_property_readonly(
-      "deleted_vertices", [](const HeldMesh& m) { const auto s = m.share(); return indices_of<VertexHandle>(*s, s->n_vertices(), true); },
+      "deleted_vertices",
+      [](const HeldMesh& m) {
+        const auto s = m.share();
+        return indices_of<VertexHandle>(*s, s->n_vertices(), true);
+      },
       "Indices of vertices that are marked as deleted.");
   type.def_property_readonly(
-      "deleted_faces", [](const HeldMesh& m) { const auto s = m.share(); return indices_of<FaceHandle>(*s, s->n_faces(), true); },
+      "deleted_faces",
+      [](const HeldMesh& m) {
+        const auto s = m.share();
+        return indices_of<FaceHandle>(*s, s->n_faces(), true);
+      },
       "Indices of faces that are marked as deleted.");
-  type.def("to_soup",
-           [](const HeldMesh& mesh) {
-             // The view is not written to: `to_soup` reads.
-             auto soup = std::make_shared<Soup>(to_soup(view_of(const_cast<Mesh&>(*HeldMesh::Reading(mesh)))));
-             return std::make_shared<HeldSoup>(std::move(soup));
-           },
-           "The points and triangles that are not deleted, with their properties: numbers as scalars, vectors as one scalar\n"
-           "for each number (force_0, force_1, …), colours, normals and texture coordinates as those of the Soup.");
+  type.def(
+      "to_soup",
+      [](const HeldMesh& mesh) {
+        // The view is not written to: `to_soup` reads.
+        auto soup = std::make_shared<Soup>(to_soup(view_of(const_cast<Mesh&>(*HeldMesh::Reading(mesh)))));
+        return std::make_shared<HeldSoup>(std::move(soup));
+      },
+      "The points and triangles that are not deleted, with their properties: numbers as scalars, vectors as one scalar\n"
+      "for each number (force_0, force_1, …), colours, normals and texture coordinates as those of the Soup.");
   add_recording(type);
   type.def("__repr__", [](const HeldMesh& m) {
     const auto s = m.share();

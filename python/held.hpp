@@ -6,17 +6,18 @@
 #include <utility>
 #include <vector>
 
-#include "meshops/error.hpp"
 #include "meshops/editing/change_segment.hpp"
+#include "meshops/error.hpp"
 #include "meshops/geometry.hpp"
 
 namespace tri::python {
 
 /// What a Python object holds: a mesh, a soup or points, which arrays may look into.
 ///
-/// An array shares the ownership of what it looks into. Work that changes the object while there are such arrays leaves them
-/// what they look into and works on a copy, so that they stay valid and show what was there before. A mesh stays where it is in
-/// memory, as recorded changes want it: only its properties are copied. Python's lock is held in every member function.
+/// An array shares the ownership of what it looks into. Work that changes the object while there are such arrays leaves
+/// them what they look into and works on a copy, so that they stay valid and show what was there before. A mesh stays
+/// where it is in memory, as recorded changes want it: only its properties are copied. Python's lock is held in every
+/// member function.
 template <class T>
 class Held {
  public:

@@ -21,8 +21,12 @@ struct HeldRegistry {
   Registry registry = Registry::standard();
 };
 
-Soup& editable(Soup& soup) { return soup; }
-PointSet& editable(PointSet& points) { return points; }
+Soup& editable(Soup& soup) {
+  return soup;
+}
+PointSet& editable(PointSet& points) {
+  return points;
+}
 
 template <class H>
 py::object run_on(const Operator& op, const py::object& object, const void* options, Call& call) {
@@ -31,16 +35,17 @@ py::object run_on(const Operator& op, const py::object& object, const void* opti
 }
 
 /// On all of a mesh or a selection, recorded if the mesh is.
-py::object run_on_mesh_object(const Operator& op, HeldMesh& held, const py::object& selection, const void* options, Call& call) {
+py::object run_on_mesh_object(const Operator& op, HeldMesh& held, const py::object& selection, const void* options,
+                              Call& call) {
   const HeldMesh::Changing value(held);
   const std::optional<Selection> part = selection_of(*value, selection);
   MeshView view = view_of(*value);
   view.selection = part ? &*part : nullptr;
   const std::shared_ptr<Change> recording = held.recording.lock();
-  if (!recording)
-    return report_dict(call.run([&](Context& context) { return op.run(view, options, context); }));
+  if (!recording) return report_dict(call.run([&](Context& context) { return op.run(view, options, context); }));
   ChangeSet change = call.run([&](Context& context) {
-    return record(view, [&](MeshView recorded) { return op.run(recorded, options, context); }, context);
+    return record(
+        view, [&](MeshView recorded) { return op.run(recorded, options, context); }, context);
   });
   const py::object report = report_dict(change.reports().front());
   recording->add(std::move(change));
@@ -48,15 +53,16 @@ py::object run_on_mesh_object(const Operator& op, HeldMesh& held, const py::obje
 }
 
 /// In place on an object of the operator's domain; one on soups also on a mesh.
-py::object run_operator(const HeldRegistry& held, const std::string& name, const py::object& object, const py::dict& options,
-                        const py::object& selection, const py::object& progress, int threads) {
+py::object run_operator(const HeldRegistry& held, const std::string& name, const py::object& object,
+                        const py::dict& options, const py::object& selection, const py::object& progress, int threads) {
   const Registry registry = held.registry;  // kept while it runs
   const Operator& op = registry.at(name);
   const std::shared_ptr<void> own = op.schema().make();
   for (const auto& [key, value] : options)
     if (!value.is_none()) op.schema().set_json(own.get(), key.cast<std::string>(), to_json(value));
   Call call(progress, threads);
-  if (py::isinstance<HeldMesh>(object)) return run_on_mesh_object(op, object.cast<HeldMesh&>(), selection, own.get(), call);
+  if (py::isinstance<HeldMesh>(object))
+    return run_on_mesh_object(op, object.cast<HeldMesh&>(), selection, own.get(), call);
   if (!selection.is_none()) throw InvalidInput(name + ": a selection is of a Mesh, and this is none");
   if (py::isinstance<HeldSoup>(object)) return run_on<HeldSoup>(op, object, own.get(), call);
   if (py::isinstance<HeldPoints>(object)) return run_on<HeldPoints>(op, object, own.get(), call);
@@ -84,8 +90,8 @@ py::object object_of(const std::shared_ptr<Geometry>& geometry) {
   return py::cast(std::make_shared<HeldPoints>(std::shared_ptr<PointSet>(geometry, &std::get<PointSet>(*geometry))));
 }
 
-py::tuple run_recipe(const HeldRegistry& held, const py::object& object, const std::string& recipe, const py::object& progress,
-                     int threads) {
+py::tuple run_recipe(const HeldRegistry& held, const py::object& object, const std::string& recipe,
+                     const py::object& progress, int threads) {
   const Registry registry = held.registry;
   const Pipeline pipeline = Pipeline::from_json(recipe, registry);
   const std::shared_ptr<Geometry> geometry = geometry_of(object);
@@ -99,7 +105,8 @@ py::tuple run_recipe(const HeldRegistry& held, const py::object& object, const s
 }  // namespace
 
 void add_operators(py::module_& module) {
-  py::class_<HeldRegistry>(module, "Registry", "The operators by name; those of plug-ins are added to this object only.")
+  py::class_<HeldRegistry>(module, "Registry",
+                           "The operators by name; those of plug-ins are added to this object only.")
       .def(py::init<>(), "The standard operators.")
       .def(
           "load_plugins",
@@ -110,8 +117,9 @@ void add_operators(py::module_& module) {
             return names;
           },
           py::arg("folders"), "Adds the operators of every plug-in (*.so) in these folders; returns their names.")
-      .def("describe", [](const HeldRegistry& held) { return to_python(held.registry.describe()); },
-           "A list with a dict for each operator: name, domain, result, summary, options.");
+      .def(
+          "describe", [](const HeldRegistry& held) { return to_python(held.registry.describe()); },
+          "A list with a dict for each operator: name, domain, result, summary, options.");
   module.def("run_operator", &run_operator, py::arg("registry"), py::arg("name"), py::arg("object"), py::arg("options"),
              py::arg("selection"), py::arg("progress"), py::arg("threads"), "Runs one operator in place.");
   module.def("run_recipe", &run_recipe, py::arg("registry"), py::arg("object"), py::arg("recipe"), py::arg("progress"),

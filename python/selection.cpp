@@ -36,9 +36,9 @@ std::vector<Handle> handles_of(const SelectionObject& object, std::size_t count,
   if (object.array.dtype().kind() == 'b') {
     const auto mask = py::array_t<bool>::ensure(object.array);
     if (static_cast<std::size_t>(mask.size()) != count)
-      throw InvalidInput(std::string("selection of ") + name_of(object.kind) + ": the mask has " + std::to_string(mask.size()) +
-                         " entries, and the mesh " + std::to_string(count) + " " + name_of(object.kind) +
-                         " (deleted ones included)");
+      throw InvalidInput(std::string("selection of ") + name_of(object.kind) + ": the mask has " +
+                         std::to_string(mask.size()) + " entries, and the mesh " + std::to_string(count) + " " +
+                         name_of(object.kind) + " (deleted ones included)");
     for (std::size_t i = 0; i < count; ++i)
       if (const Handle handle(static_cast<int>(i)); mask.at(i) && !deleted(handle)) handles.push_back(handle);
     return handles;
@@ -66,15 +66,17 @@ SelectionObject make_selection(const py::object& faces, const py::object& vertic
 
 std::optional<Selection> selection_of(const Mesh& mesh, const py::object& object) {
   if (object.is_none()) return std::nullopt;
-  const SelectionObject wanted = py::isinstance<SelectionObject>(object) ? object.cast<SelectionObject>()
-                                                                        : SelectionObject{Kind::faces, checked(object, Kind::faces)};
+  const SelectionObject wanted = py::isinstance<SelectionObject>(object)
+                                     ? object.cast<SelectionObject>()
+                                     : SelectionObject{Kind::faces, checked(object, Kind::faces)};
   switch (wanted.kind) {
     case Kind::faces:
       return Selection::of_faces(
           mesh, handles_of<FaceHandle>(wanted, mesh.n_faces(), [&](FaceHandle f) { return mesh.status(f).deleted(); }));
     case Kind::vertices:
-      return Selection::of_vertices(
-          mesh, handles_of<VertexHandle>(wanted, mesh.n_vertices(), [&](VertexHandle v) { return mesh.status(v).deleted(); }));
+      return Selection::of_vertices(mesh, handles_of<VertexHandle>(wanted, mesh.n_vertices(), [&](VertexHandle v) {
+                                      return mesh.status(v).deleted();
+                                    }));
     default:
       return Selection::of_loops(mesh, handles_of<HalfedgeHandle>(wanted, mesh.n_halfedges(), [&](HalfedgeHandle h) {
                                    return mesh.status(mesh.edge_handle(h)).deleted();
@@ -87,10 +89,11 @@ void add_selection(py::module_& module) {
       module, "Selection",
       "The part of a mesh that an operator may change: faces, vertices or boundary loops, as indices or as a mask with a bool for\n"
       "each (deleted ones included). Looked up in the mesh that an operator gets.")
-      .def(py::init(&make_selection), py::kw_only(), py::arg("faces") = py::none(), py::arg("vertices") = py::none(),
-           py::arg("loops") = py::none(),
-           "faces: they, and the vertices all of whose faces are among them. vertices: they, and the faces all of whose corners are\n"
-           "among them. loops: half-edges of boundary loops, one of each is enough. One of the three.");
+      .def(
+          py::init(&make_selection), py::kw_only(), py::arg("faces") = py::none(), py::arg("vertices") = py::none(),
+          py::arg("loops") = py::none(),
+          "faces: they, and the vertices all of whose faces are among them. vertices: they, and the faces all of whose corners are\n"
+          "among them. loops: half-edges of boundary loops, one of each is enough. One of the three.");
 }
 
 }  // namespace tri::python

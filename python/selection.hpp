@@ -10,7 +10,8 @@
 
 namespace tri::python {
 
-/// The part of a mesh that an operator may change, by indices or as a mask; looked up in the mesh when an operator runs.
+/// The part of a mesh that an operator may change, by indices or as a mask; looked up in the mesh when an operator
+/// runs.
 struct SelectionObject {
   enum class Kind { faces, vertices, loops };
   Kind kind = Kind::faces;
@@ -18,7 +19,8 @@ struct SelectionObject {
 };
 
 /// @param object  None, a SelectionObject, or an array, which is of faces
-/// @throws InvalidInput for an index that is not of the mesh or deleted, a mask of another length, an array of another kind
+/// @throws InvalidInput for an index that is not of the mesh or deleted, a mask of another length, an array of another
+/// kind
 std::optional<Selection> selection_of(const Mesh& mesh, const pybind11::object& object);
 
 }  // namespace tri::python

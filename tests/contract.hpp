@@ -110,8 +110,8 @@ void check_threads() {
   });
 }
 
-/// Cancelled at any checkpoint, the value is in the state that its kind promises; progress is told, never goes backwards, and
-/// every step of it that was begun is at its end when the operator returns.
+/// Cancelled at any checkpoint, the value is in the state that its kind promises; progress is told, never goes
+/// backwards, and every step of it that was begun is at its end when the operator returns.
 template <class Kind>
 void check_cancel() {
   for_all<Kind>([](const Operator& op, const typename Kind::Value& input) {

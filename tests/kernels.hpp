@@ -14,7 +14,8 @@ namespace tri::test {
 struct EditorTraits : OpenMesh::DefaultTraits {
   VertexAttributes(OpenMesh::Attributes::Normal | OpenMesh::Attributes::Color | OpenMesh::Attributes::Status);
   EdgeAttributes(OpenMesh::Attributes::Status);
-  HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge | OpenMesh::Attributes::Status | OpenMesh::Attributes::TexCoord2D);
+  HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge | OpenMesh::Attributes::Status |
+                     OpenMesh::Attributes::TexCoord2D);
   FaceAttributes(OpenMesh::Attributes::Normal | OpenMesh::Attributes::Status);
   VertexTraits { int tag = -1; };
 };

@@ -34,7 +34,9 @@ LinkedTriangles check_links(const std::vector<Triangle>& triangles,
   }
   const auto n_triangles = static_cast<std::int32_t>(triangles.size());
   const auto live = [&](std::size_t t) { return triangles[t][0] != triangles[t][1]; };
-  const auto side = [&](std::size_t t, int k) { return IndexEdge(triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]); };
+  const auto side = [&](std::size_t t, int k) {
+    return IndexEdge(triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
+  };
 
   Forest corners(3 * triangles.size()), components(triangles.size());
   std::map<std::uint32_t, std::vector<std::uint32_t>> rim;  // from a vertex to the next along the boundary
@@ -62,7 +64,8 @@ LinkedTriangles check_links(const std::vector<Triangle>& triangles,
       }
       int answers = 0, twin = -1;
       for (int m = 0; m < 3; ++m)
-        if (neighbors[n][m] == static_cast<std::int32_t>(t) && side(static_cast<std::size_t>(n), m) == IndexEdge(to, from))
+        if (neighbors[n][m] == static_cast<std::int32_t>(t) &&
+            side(static_cast<std::size_t>(n), m) == IndexEdge(to, from))
           ++answers, twin = m;
       if (answers != 1) {
         problem("triangle " + at + ": neighbour " + std::to_string(n) + " answers " + std::to_string(answers) +

@@ -1,8 +1,6 @@
 // What every registered mesh operator owes, whatever it does: run over the registry, so that a new operator is held to
 // it by its registration alone. Promises that an operator does not make are stated at its registration (`Promises`).
 
-#include "kernels.hpp"
-
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -10,6 +8,7 @@
 
 #include "attribute_checks.hpp"
 #include "contract.hpp"
+#include "kernels.hpp"
 #include "mesh_check.hpp"
 #include "mesh_state.hpp"
 #include "meshops/build_mesh.hpp"
@@ -48,7 +47,9 @@ struct MeshKind {
   static void check_cancelled(Mesh& after, Mesh&) { CHECK_VALID_MESH(after); }
 };
 
-std::vector<const Operator*> mesh_operators() { return operators_of(Domain::mesh); }
+std::vector<const Operator*> mesh_operators() {
+  return operators_of(Domain::mesh);
+}
 
 int alive_faces(const OpenMesh::TriConnectivity& mesh) {
   int faces = 0;
@@ -161,13 +162,20 @@ TEST_CASE("contract: the mesh is valid afterwards, and the report counts what ch
   });
 }
 
-TEST_CASE("contract: a second run changes nothing, where promised") { check_second_run<MeshKind>(); }
+TEST_CASE("contract: a second run changes nothing, where promised") {
+  check_second_run<MeshKind>();
+}
 
-TEST_CASE("contract: the result does not depend on the number of threads, and a run can be repeated") { check_threads<MeshKind>(); }
+TEST_CASE("contract: the result does not depend on the number of threads, and a run can be repeated") {
+  check_threads<MeshKind>();
+}
 
-TEST_CASE("contract: cancelled at any checkpoint, the mesh is valid; progress never goes backwards") { check_cancel<MeshKind>(); }
+TEST_CASE("contract: cancelled at any checkpoint, the mesh is valid; progress never goes backwards") {
+  check_cancel<MeshKind>();
+}
 
-TEST_CASE("contract: recorded, undone, done again and cancelled, the mesh is as it was bit for bit, with all properties") {
+TEST_CASE(
+    "contract: recorded, undone, done again and cancelled, the mesh is as it was bit for bit, with all properties") {
   for_all<MeshKind>([](const Operator& op, const Mesh& input) {
     check_undo<Mesh>(op, input);
     check_undo<EditorKernel>(op, input);
@@ -198,7 +206,9 @@ TEST_CASE("contract: the notes of a recording count what the report counts") {
   });
 }
 
-TEST_CASE("contract: an option out of range is refused and the mesh untouched") { check_options<MeshKind>(); }
+TEST_CASE("contract: an option out of range is refused and the mesh untouched") {
+  check_options<MeshKind>();
+}
 
 TEST_CASE("contract: an editor's float kernel keeps its properties, selection and traits") {
   for_all<MeshKind>([](const Operator& op, const Mesh& input) {

@@ -59,7 +59,9 @@ struct PointsKind {
   static void check_cancelled(const PointSet& after, const PointSet& before) { CHECK(same_set(after, before)); }
 };
 
-std::vector<const Operator*> points_operators() { return operators_of(Domain::points); }
+std::vector<const Operator*> points_operators() {
+  return operators_of(Domain::points);
+}
 
 }  // namespace
 
@@ -105,13 +107,21 @@ TEST_CASE("points contract: points that stay are measured ones with all their co
   });
 }
 
-TEST_CASE("points contract: a second run changes nothing, where promised") { check_second_run<PointsKind>(); }
+TEST_CASE("points contract: a second run changes nothing, where promised") {
+  check_second_run<PointsKind>();
+}
 
-TEST_CASE("points contract: the result does not depend on the number of threads") { check_threads<PointsKind>(); }
+TEST_CASE("points contract: the result does not depend on the number of threads") {
+  check_threads<PointsKind>();
+}
 
-TEST_CASE("points contract: cancelled at any checkpoint, the set is as it was; progress never goes backwards") { check_cancel<PointsKind>(); }
+TEST_CASE("points contract: cancelled at any checkpoint, the set is as it was; progress never goes backwards") {
+  check_cancel<PointsKind>();
+}
 
-TEST_CASE("points contract: an option out of range is refused and nothing is touched") { check_options<PointsKind>(); }
+TEST_CASE("points contract: an option out of range is refused and nothing is touched") {
+  check_options<PointsKind>();
+}
 
 TEST_CASE("points contract: an inconsistent set is refused") {
   for (const Operator* op : points_operators()) {

@@ -27,7 +27,8 @@ Outcome run_tri(const std::vector<std::string>& arguments, const std::string& fo
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) {  // only calls that are safe between fork and exec
-    const int out_file = open(out.c_str(), O_WRONLY | O_CREAT, 0600), err_file = open(err.c_str(), O_WRONLY | O_CREAT, 0600);
+    const int out_file = open(out.c_str(), O_WRONLY | O_CREAT, 0600),
+              err_file = open(err.c_str(), O_WRONLY | O_CREAT, 0600);
     if (out_file < 0 || err_file < 0 || chdir(folder.c_str()) != 0) _exit(126);
     dup2(out_file, STDOUT_FILENO);
     dup2(err_file, STDERR_FILENO);

@@ -19,7 +19,9 @@ struct Outcome {
 Outcome run_tri(const std::vector<std::string>& arguments, const std::string& folder, const std::string& out_path = "",
                 int interrupt_after_ms = 0);
 
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 /// The JSON that the program printed; it has to have ended well.
 inline nlohmann::json parsed(const Outcome& outcome) {

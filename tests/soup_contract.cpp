@@ -1,5 +1,5 @@
-// What every registered operator on soups owes, whatever it does: run over the registry, so that a new operator is held to
-// it by its registration alone.
+// What every registered operator on soups owes, whatever it does: run over the registry, so that a new operator is held
+// to it by its registration alone.
 
 #include <doctest/doctest.h>
 
@@ -29,7 +29,8 @@ std::vector<std::pair<std::string, Soup>> soup_inputs() {
   twice.triangles.push_back({4, 7, 5});
   add("duplicates of both kinds", twice);
   Soup turned = sphere(7, 4);
-  for (std::size_t i = 0; i < turned.triangles.size(); i += 3) std::swap(turned.triangles[i][0], turned.triangles[i][1]);
+  for (std::size_t i = 0; i < turned.triangles.size(); i += 3)
+    std::swap(turned.triangles[i][0], turned.triangles[i][1]);
   add("some turned", turned);
   Soup caps = sheet(3, 2);
   caps.points.emplace_back(0.5, 0, 0);
@@ -66,7 +67,9 @@ struct SoupKind {
   static void check_cancelled(const Soup& after, const Soup& before) { CHECK(same_soup(after, before)); }
 };
 
-std::vector<const Operator*> soup_operators() { return operators_of(Domain::soup); }
+std::vector<const Operator*> soup_operators() {
+  return operators_of(Domain::soup);
+}
 
 }  // namespace
 
@@ -112,21 +115,31 @@ TEST_CASE("soup contract: indices and attributes fit afterwards, and the report 
     CHECK(soup.triangles.size() + report.faces_removed == input.triangles.size() + report.faces_added);
     for (const std::uint32_t f : report.touched_faces) CHECK(f < soup.triangles.size());
     for (const std::uint32_t v : report.touched_vertices) CHECK(v < soup.points.size());
-    if (report.unchanged()) CHECK(same_soup(soup, input));
-    else CHECK_FALSE(same_soup(soup, input));
+    if (report.unchanged())
+      CHECK(same_soup(soup, input));
+    else
+      CHECK_FALSE(same_soup(soup, input));
     // Sheets that become plates get their thickness by copies of their vertices beside them.
     const bool beside = op.name() == "make-solid" && report.vertices_added > 0;
     check_attributes(soup, input, report.vertices_moved > 0 || beside);
   });
 }
 
-TEST_CASE("soup contract: a second run changes nothing, where promised") { check_second_run<SoupKind>(); }
+TEST_CASE("soup contract: a second run changes nothing, where promised") {
+  check_second_run<SoupKind>();
+}
 
-TEST_CASE("soup contract: the result does not depend on the number of threads") { check_threads<SoupKind>(); }
+TEST_CASE("soup contract: the result does not depend on the number of threads") {
+  check_threads<SoupKind>();
+}
 
-TEST_CASE("soup contract: cancelled at any checkpoint, the soup is as it was; progress never goes backwards") { check_cancel<SoupKind>(); }
+TEST_CASE("soup contract: cancelled at any checkpoint, the soup is as it was; progress never goes backwards") {
+  check_cancel<SoupKind>();
+}
 
-TEST_CASE("soup contract: an option out of range is refused and nothing is touched") { check_options<SoupKind>(); }
+TEST_CASE("soup contract: an option out of range is refused and nothing is touched") {
+  check_options<SoupKind>();
+}
 
 TEST_CASE("soup contract: an inconsistent soup is refused") {
   for (const Operator* op : soup_operators()) {

@@ -20,7 +20,9 @@ inline Soup box(const Vec3& low, const Vec3& high) {
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return soup;
 }
-inline Soup cube(const Vec3& low = Vec3(0, 0, 0), double size = 1) { return box(low, low + Vec3(size, size, size)); }
+inline Soup cube(const Vec3& low = Vec3(0, 0, 0), double size = 1) {
+  return box(low, low + Vec3(size, size, size));
+}
 
 /// A sphere of two poles and `rings` rings of `around` vertices; faces outward.
 inline Soup sphere(int around, int rings, double radius = 1, const Vec3& center = Vec3(0, 0, 0)) {
@@ -28,7 +30,8 @@ inline Soup sphere(int around, int rings, double radius = 1, const Vec3& center 
   soup.points.push_back(center + Vec3(0, 0, -radius));
   for (int j = 1; j <= rings; ++j) {
     for (int i = 0; i < around; ++i) {
-      const double a = 2 * std::numbers::pi * i / around, b = std::numbers::pi * (static_cast<double>(j) / (rings + 1) - 0.5);
+      const double a = 2 * std::numbers::pi * i / around,
+                   b = std::numbers::pi * (static_cast<double>(j) / (rings + 1) - 0.5);
       soup.points.push_back(center + Vec3(std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b)) * radius);
     }
   }
@@ -105,15 +108,14 @@ inline Soup with_attributes(Soup soup) {
 
 inline bool same_soup(const Soup& a, const Soup& b) {
   return a.points == b.points && a.triangles == b.triangles && a.vertex_scalars == b.vertex_scalars &&
-         a.vertex_colors == b.vertex_colors && a.vertex_normals == b.vertex_normals && a.face_scalars == b.face_scalars &&
-         a.face_labels == b.face_labels && a.corner_scalars == b.corner_scalars;
+         a.vertex_colors == b.vertex_colors && a.vertex_normals == b.vertex_normals &&
+         a.face_scalars == b.face_scalars && a.face_labels == b.face_labels && a.corner_scalars == b.corner_scalars;
 }
 
 /// Enclosed by closed triangles, positive if they face outward.
 inline double soup_volume(const Soup& soup) {
   double sum = 0;
-  for (const Triangle& t : soup.triangles)
-    sum += (soup.points[t[0]] | (soup.points[t[1]] % soup.points[t[2]])) / 6;
+  for (const Triangle& t : soup.triangles) sum += (soup.points[t[0]] | (soup.points[t[1]] % soup.points[t[2]])) / 6;
   return sum;
 }
 inline double soup_area(const Soup& soup) {

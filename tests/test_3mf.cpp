@@ -53,11 +53,11 @@ std::string model_error(const std::string& text) {
 
 TEST_CASE("3mf: units become millimetres, and a note says so") {
   for (const auto& unit_and_size : std::vector<std::pair<std::string, double> >{{"micron", 0.001},
-                                                                               {"millimeter", 1},
-                                                                               {"centimeter", 10},
-                                                                               {"inch", 25.4},
-                                                                               {"foot", 304.8},
-                                                                               {"meter", 1000}}) {
+                                                                                {"millimeter", 1},
+                                                                                {"centimeter", 10},
+                                                                                {"inch", 25.4},
+                                                                                {"foot", 304.8},
+                                                                                {"meter", 1000}}) {
     const std::string& unit = unit_and_size.first;
     const double size = unit_and_size.second;
     CAPTURE(unit);
@@ -74,13 +74,14 @@ TEST_CASE("3mf: units become millimetres, and a note says so") {
 
 TEST_CASE("3mf: items of the build and components are put where their transforms say") {
   MeshFileInfo info;
-  const Soup soup = read_model(model(object(1, mesh_text(), " name=\"leaf\"") + object(4, mesh_text()) +
-                                   object(2,
-                                          "<components><component objectid=\"1\" transform=\"0 1 0 -1 0 0 0 0 1 10 0 "
-                                          "0\"/><component objectid=\"1\"/></components>"),
-                               "<item objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 1 0 0 5\"/><item objectid=\"1\" "
-                               "transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/>"),
-                         &info);
+  const Soup soup =
+      read_model(model(object(1, mesh_text(), " name=\"leaf\"") + object(4, mesh_text()) +
+                           object(2,
+                                  "<components><component objectid=\"1\" transform=\"0 1 0 -1 0 0 0 0 1 10 0 "
+                                  "0\"/><component objectid=\"1\"/></components>"),
+                       "<item objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 1 0 0 5\"/><item objectid=\"1\" "
+                       "transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/>"),
+                 &info);
   REQUIRE(soup.points.size() == 9);
   // Rows of the matrix are where the axes go: x to y, y to -x, then by (10, 0, 0), then by (0, 0, 5).
   CHECK(soup.points[0] == Vec3(10, 0, 5));
@@ -119,9 +120,9 @@ TEST_CASE("3mf: base materials are colours and names of triangles, colour groups
       "displaycolor=\"#0000FF80\"/></basematerials>";
   MeshFileInfo info;
   Soup soup = read_model(model(materials + object(1, mesh_text(), " pid=\"5\" pindex=\"1\"") +
-                             object(2, mesh_text(" pid=\"5\" p1=\"0\"")) + object(3, mesh_text()),
-                         "<item objectid=\"1\"/><item objectid=\"2\"/><item objectid=\"3\"/>"),
-                   &info);
+                                   object(2, mesh_text(" pid=\"5\" p1=\"0\"")) + object(3, mesh_text()),
+                               "<item objectid=\"1\"/><item objectid=\"2\"/><item objectid=\"3\"/>"),
+                         &info);
   CHECK(soup.face_labels.at("material") == std::vector<std::string>{"blue", "red & hot"});
   CHECK(soup.face_scalars.at("material") == std::vector<double>{0, 1, -1});
   CHECK(soup.face_scalars.at("red")[0] == 0);
@@ -132,7 +133,8 @@ TEST_CASE("3mf: base materials are colours and names of triangles, colour groups
 
   const std::string group =
       "<m:colorgroup id=\"6\"><m:color color=\"#010203\"/><m:color color=\"#040506\"/></m:colorgroup>";
-  soup = read_model(model(group + object(1, mesh_text(" pid=\"6\" p1=\"0\" p2=\"1\" p3=\"0\"")), "<item objectid=\"1\"/>"));
+  soup = read_model(
+      model(group + object(1, mesh_text(" pid=\"6\" p1=\"0\" p2=\"1\" p3=\"0\"")), "<item objectid=\"1\"/>"));
   CHECK(soup.vertex_colors == std::vector<std::array<std::uint8_t, 3> >{{1, 2, 3}, {4, 5, 6}, {1, 2, 3}});
   CHECK(soup.face_scalars.empty());
 }

@@ -336,8 +336,8 @@ TEST_CASE("make_cad_model: faces farther apart than the sewing tolerance stay ap
   builder.MakeCompound(compound);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const TopoDS_Shape copy = BRepBuilderAPI_Copy(faces[i]).Shape();
-    builder.Add(compound,
-                i + 1 == faces.size() ? BRepBuilderAPI_Transform(copy, shift, true).Shape() : copy);  // the lid
+    builder.Add(compound, i + 1 == faces.size() ? BRepBuilderAPI_Transform(copy, shift, true).Shape() : copy);  // the
+                                                                                                                // lid
   }
   const CadTopology apart = cad_topology(make_cad_model(make_shape(compound), 0.01));
   CHECK(apart.components == 2);

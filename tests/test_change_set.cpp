@@ -1,11 +1,9 @@
-#include "kernels.hpp"
-
-#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
-
 #include <doctest/doctest.h>
 
+#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <random>
 
+#include "kernels.hpp"
 #include "mesh_check.hpp"
 #include "mesh_state.hpp"
 #include "meshops/editing/change_set.hpp"
@@ -62,7 +60,8 @@ class Storm {
     const EdgeHandle e(pick(mesh_.n_edges()));
     const FaceHandle f(pick(mesh_.n_faces()));
     const HalfedgeHandle h(pick(mesh_.n_halfedges()));
-    const bool v_there = !mesh_.status(v).deleted(), e_there = !mesh_.status(e).deleted(), f_there = !mesh_.status(f).deleted();
+    const bool v_there = !mesh_.status(v).deleted(), e_there = !mesh_.status(e).deleted(),
+               f_there = !mesh_.status(f).deleted();
     switch (pick(14)) {
       case 0:
         if (v_there) set_point(view_, v, place());
@@ -240,7 +239,8 @@ TEST_CASE("change_set: properties that are added, removed, rewritten and of type
     changes.push_back(record(mesh, function));
     states.push_back(state());
   };
-  step([](MeshView view) { split_edge(view, EdgeHandle(5), Vec3(1, 1, 1), 0.5); });  // faces and vertices grow, unknown untouched
+  step([](MeshView view) { split_edge(view, EdgeHandle(5), Vec3(1, 1, 1), 0.5); });  // faces and vertices grow, unknown
+                                                                                     // untouched
   step([&](MeshView view) {
     about_to_set(view, FaceHandle(3));
     view.mesh.property(unknown, FaceHandle(3)).number = -1;
@@ -343,7 +343,9 @@ TEST_CASE("change_set: undo is refused where it does not fit, and says why") {
   refused([&] { change.redo(mesh); }, "not undone");
   refused([&] { change.undo(other); }, "another mesh");
   {
-    ChangeSet second = record(mesh, [](MeshView view) { split_face(view, FaceHandle(3), Vec3(0, 0, 0), {0.5, 0.25, 0.25}); });
+    ChangeSet second = record(mesh, [](MeshView view) {
+      split_face(view, FaceHandle(3), Vec3(0, 0, 0), {0.5, 0.25, 0.25});
+    });
     const MeshState kept = state_of(mesh);
     refused([&] { change.undo(mesh); }, "vertices");  // first the second
     CHECK(difference(state_of(mesh), kept) == "");
@@ -376,7 +378,8 @@ TEST_CASE("change_set: undo is refused where it does not fit, and says why") {
   ChangeSet lost = record(mesh, [&](MeshView view) { view.mesh.remove_property(number); });
   refused([&] { lost.undo(mesh); }, "'lost' was removed while it was recorded");
 
-  ChangeSet notes = record(mesh, [](MeshView view) { set_point(view, VertexHandle(0), Vec3(1, 1, 1)); }, Recording::notes_only);
+  ChangeSet notes = record(
+      mesh, [](MeshView view) { set_point(view, VertexHandle(0), Vec3(1, 1, 1)); }, Recording::notes_only);
   refused([&] { notes.undo(mesh); }, "notes only");
   CHECK(notes.notes().vertices_moved == std::vector<std::uint32_t>{0});
 
@@ -410,7 +413,8 @@ TEST_CASE("change_set: the notes name what was added, removed, moved and linked 
   CHECK(split.notes().vertices_moved == List{5});
   CHECK(split.notes().faces.added == List{4, 5});
   CHECK(split.notes().faces.relinked == List{0, 1});
-  CHECK(split.notes().edges.added == List{static_cast<std::uint32_t>(edges), static_cast<std::uint32_t>(edges + 1), static_cast<std::uint32_t>(edges + 2)});
+  CHECK(split.notes().edges.added == List{static_cast<std::uint32_t>(edges), static_cast<std::uint32_t>(edges + 1),
+                                          static_cast<std::uint32_t>(edges + 2)});
   split.undo(mesh);
 
   ChangeSet removal = record(mesh, [](MeshView view) { delete_vertex(view, VertexHandle(5)); });
@@ -431,7 +435,9 @@ TEST_CASE("change_set: the notes name what was added, removed, moved and linked 
 
   Context context;
   CHECK(record(mesh, [&](MeshView view) { return fill_holes(view, {.max_edges = 3}, context); }).notes().empty());
-  CHECK(record(mesh, [&](MeshView view) { return extract_boundaries(view, {}, context); }).notes().properties_added.size() == 3);
+  CHECK(record(mesh, [&](MeshView view) { return extract_boundaries(view, {}, context); })
+            .notes()
+            .properties_added.size() == 3);
 }
 
 TEST_CASE("change_set: the notes of random edits agree with a comparison of the whole mesh") {
@@ -440,16 +446,25 @@ TEST_CASE("change_set: the notes of random edits agree with a comparison of the 
     std::mt19937 random(seed);
     Mesh mesh = torn();
     const Mesh before = mesh;
-    const ChangeSet change = record(mesh, [&](MeshView view) { Storm(view, random).run(12); }, seed % 2 ? Recording::undoable : Recording::notes_only);
+    const ChangeSet change = record(
+        mesh, [&](MeshView view) { Storm(view, random).run(12); },
+        seed % 2 ? Recording::undoable : Recording::notes_only);
     const ChangeNotes& notes = change.notes();
     const auto has = [](const std::vector<std::uint32_t>& list, int i) {
       CHECK(std::is_sorted(list.begin(), list.end()));
       return std::binary_search(list.begin(), list.end(), static_cast<std::uint32_t>(i));
     };
-    const auto there = [](const Mesh& m, auto h) { return h.idx() < static_cast<int>([&] {
-      if constexpr (std::is_same_v<decltype(h), VertexHandle>) return m.n_vertices();
-      else if constexpr (std::is_same_v<decltype(h), EdgeHandle>) return m.n_edges();
-      else return m.n_faces(); }()) && !m.status(h).deleted(); };
+    const auto there = [](const Mesh& m, auto h) {
+      return h.idx() < static_cast<int>([&] {
+               if constexpr (std::is_same_v<decltype(h), VertexHandle>)
+                 return m.n_vertices();
+               else if constexpr (std::is_same_v<decltype(h), EdgeHandle>)
+                 return m.n_edges();
+               else
+                 return m.n_faces();
+             }()) &&
+             !m.status(h).deleted();
+    };
     for (int i = 0; i < static_cast<int>(mesh.n_vertices()); ++i) {
       const VertexHandle v(i);
       CHECK(has(notes.vertices.added, i) == (there(mesh, v) && !there(before, v)));
@@ -462,7 +477,8 @@ TEST_CASE("change_set: the notes of random edits agree with a comparison of the 
       CHECK(has(notes.edges.added, i) == (there(mesh, e) && !there(before, e)));
       CHECK(has(notes.edges.removed, i) == (!there(mesh, e) && there(before, e)));
       if (there(mesh, e) && there(before, e))
-        CHECK(has(notes.edges.relinked, i) == (mesh.to_vertex_handle(h) != before.to_vertex_handle(h) || mesh.to_vertex_handle(o) != before.to_vertex_handle(o)));
+        CHECK(has(notes.edges.relinked, i) == (mesh.to_vertex_handle(h) != before.to_vertex_handle(h) ||
+                                               mesh.to_vertex_handle(o) != before.to_vertex_handle(o)));
     }
     for (int i = 0; i < static_cast<int>(mesh.n_faces()); ++i) {
       const FaceHandle f(i);
@@ -495,7 +511,8 @@ TEST_CASE("change_set: a dry run reports and names what it would touch, and chan
   record(filled, fill_holes, {.max_edges = 20}, context);
   CHECK(difference(state_of(mesh), state_of(filled)) == "");
 
-  const Pipeline pipeline = Pipeline::from_json(R"({"version": 1, "steps": [{"op": "fill-holes"}, {"op": "flip-diagonals"}]})");
+  const Pipeline pipeline =
+      Pipeline::from_json(R"({"version": 1, "steps": [{"op": "fill-holes"}, {"op": "flip-diagonals"}]})");
   ChangeSet whole = record(mesh, [&](MeshView view) { return pipeline.run(view, context); });
   CHECK(whole.reports().size() == 2);
 }
@@ -562,7 +579,9 @@ TEST_CASE("property_policy: rules by name come before rules by type, and these b
   mesh.property(chart, FaceHandle(0)) = 5;
   MeshView view = view_of(mesh);
   view.policy = &policy;
-  ChangeSet change = record(view, [](MeshView v) { split_face(v, FaceHandle(0), Vec3(0.2, 0.2, 0), {0.5, 0.25, 0.25}); });
+  ChangeSet change = record(view, [](MeshView v) {
+    split_face(v, FaceHandle(0), Vec3(0.2, 0.2, 0), {0.5, 0.25, 0.25});
+  });
   const VertexHandle m(3);
   CHECK(mesh.property(heat, m) == doctest::Approx(mesh.property(general, m)));
   CHECK(mesh.property(cold, m) == std::floor(mesh.property(cold, m)));

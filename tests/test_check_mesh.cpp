@@ -64,7 +64,8 @@ TEST_CASE("check_mesh: a missing triangle is a loop of three vertices") {
   CHECK(loop == sorted);
 }
 
-TEST_CASE("check_mesh: holes that touch in a vertex are one loop, which follows the fans there; also where triangles disagree") {
+TEST_CASE(
+    "check_mesh: holes that touch in a vertex are one loop, which follows the fans there; also where triangles disagree") {
   Soup soup = sheet(4, 4);
   std::erase_if(soup.triangles, [&](const Triangle& t) {
     const Vec3 m = (soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3;
@@ -111,7 +112,8 @@ TEST_CASE("check_mesh: every planted defect is found, counted and placed") {
       CHECK(c.kind == SurfaceKind::solid);
     }
     // A solid in the material of another, and a cavity in that one, are listed but nothing wrong.
-    const MeshCheck two = check(joined(joined(cube({0, 0, 0}, 9), cube({1, 1, 1}, 7)), turned_around(cube({2, 2, 2}, 1))));
+    const MeshCheck two =
+        check(joined(joined(cube({0, 0, 0}, 9), cube({1, 1, 1}, 7)), turned_around(cube({2, 2, 2}, 1))));
     CHECK(defects(two).empty());
     CHECK(two.nested_solids == std::vector<std::uint32_t>{12});
     CHECK(two.kind == SurfaceKind::solid);
@@ -122,7 +124,8 @@ TEST_CASE("check_mesh: every planted defect is found, counted and placed") {
     soup.triangles.push_back({good.triangles[9][0], good.triangles[9][1], n});
     const MeshCheck c = check(soup);
     CHECK(c.summary.nonmanifold_edges == 1);
-    CHECK(c.places.nonmanifold_edges[0] == std::array{std::min(good.triangles[9][0], good.triangles[9][1]), std::max(good.triangles[9][0], good.triangles[9][1])});
+    CHECK(c.places.nonmanifold_edges[0] == std::array{std::min(good.triangles[9][0], good.triangles[9][1]),
+                                                      std::max(good.triangles[9][0], good.triangles[9][1])});
     CHECK(c.self_intersections.empty());
   }
   SUBCASE("duplicates, one turned") {

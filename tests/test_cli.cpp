@@ -32,7 +32,9 @@ std::string sheet_with_hole(int n = 5) {
   return obj.str();
 }
 
-int lines_of(const std::string& text) { return static_cast<int>(std::count(text.begin(), text.end(), '\n')); }
+int lines_of(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
 
 // One clear line on standard error, nothing on standard output, nothing new in the folder.
 void check_refused(const Outcome& outcome, int exit_code) {
@@ -133,8 +135,8 @@ TEST_CASE("tri: an input that no reader accepts is refused with 3 and leaves no 
               "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
               "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n");
   const auto before = folder.entries().size();
-  for (const char* name : {"missing.stl", "folder.stl", "empty.stl", "garbage.stl", "garbage.ply", "nan.obj", "index.off",
-                           "truncated.ply"}) {
+  for (const char* name : {"missing.stl", "folder.stl", "empty.stl", "garbage.stl", "garbage.ply", "nan.obj",
+                           "index.off", "truncated.ply"}) {
     CAPTURE(name);
     for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
              {"info", name}, {"render", name, "-o", "out.png"}, {"run", name, "!", "fill-holes", "!", "out.ply"}}) {
@@ -215,7 +217,8 @@ TEST_CASE("tri check: 1 and the places if anything is wrong, 0 if not") {
 TEST_CASE("tri run: fills the hole, reports it, and writes the mesh") {
   const TemporaryFolder folder;
   folder.make("in.obj", sheet_with_hole());
-  const Outcome outcome = run_tri({"run", "in.obj", "!", "fill-holes", "--max-edges", "4", "!", "out.ply", "--json"}, folder.path());
+  const Outcome outcome =
+      run_tri({"run", "in.obj", "!", "fill-holes", "--max-edges", "4", "!", "out.ply", "--json"}, folder.path());
   REQUIRE(outcome.exit_code == 0);
   const json report = json::parse(outcome.out);
   CHECK(report["triangles"] == 50);
@@ -229,10 +232,13 @@ TEST_CASE("tri run: fills the hole, reports it, and writes the mesh") {
 TEST_CASE("tri run: a saved recipe does the same as the command line, byte for byte") {
   const TemporaryFolder folder;
   folder.make("in.obj", sheet_with_hole());
-  CHECK(run_tri({"run", "--save", "recipe.json", "in.obj", "!", "fill-holes", "--max-edges", "4", "!", "compact", "!", "a.ply"},
+  CHECK(run_tri({"run", "--save", "recipe.json", "in.obj", "!", "fill-holes", "--max-edges", "4", "!", "compact", "!",
+                 "a.ply"},
                 folder.path())
             .exit_code == 0);
-  CHECK(run_tri({"run", "--recipe", "recipe.json", "in.obj", "b.ply", "--save", "again.json"}, folder.path()).exit_code == 0);
+  CHECK(
+      run_tri({"run", "--recipe", "recipe.json", "in.obj", "b.ply", "--save", "again.json"}, folder.path()).exit_code ==
+      0);
   CHECK(file_bytes(folder / "a.ply") == file_bytes(folder / "b.ply"));
   CHECK(file_bytes(folder / "recipe.json") == file_bytes(folder / "again.json"));
   const json recipe = json::parse(file_bytes(folder / "recipe.json"));
@@ -280,9 +286,9 @@ TEST_CASE("tri ops: lists every operator with its options") {
 TEST_CASE("tri render: writes a PNG of the asked size whose centre shows the part") {
   const TemporaryFolder folder;
   folder.make("in.obj", sheet_with_hole(4));  // its middle is not in the hole, which lies right above it
-  const Outcome outcome =
-      run_tri({"render", "in.obj", "-o", "out.png", "--size", "320x200", "--view", "0,0,1", "--center", "1,1,0", "--json"},
-              folder.path());
+  const Outcome outcome = run_tri(
+      {"render", "in.obj", "-o", "out.png", "--size", "320x200", "--view", "0,0,1", "--center", "1,1,0", "--json"},
+      folder.path());
   REQUIRE(outcome.exit_code == 0);
   png_image image;
   std::memset(&image, 0, sizeof image);

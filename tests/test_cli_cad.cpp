@@ -1,6 +1,5 @@
 // Runs the commands of the program that need a CAD model.
 #include <doctest/doctest.h>
-
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -57,8 +56,8 @@ TEST_CASE("tri sample: makes as many points as asked, with the truth beside them
   const TemporaryFolder folder;
   REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
   const auto sample = [&](const char* output, const char* seed) {
-    return parsed(run_tri({"sample", "--cad", "cap.step", "-n", "500", "--noise", "0.01", "--outliers", "0.1", "--seed", seed, "-o",
-                           output, "--json"},
+    return parsed(run_tri({"sample", "--cad", "cap.step", "-n", "500", "--noise", "0.01", "--outliers", "0.1", "--seed",
+                           seed, "-o", output, "--json"},
                           folder.path()));
   };
   const json made = sample("a.xyz", "5");
@@ -77,8 +76,12 @@ TEST_CASE("tri sample: makes as many points as asked, with the truth beside them
 
 TEST_CASE("tri sample: wrong options are refused with 2 and leave nothing") {
   const TemporaryFolder folder;
-  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
-           {"--points", "0"}, {"--noise", "-1"}, {"--outliers", "2"}, {"--pattern", "spiral"}, {"--drop-outs", "2"}, {"--view", "0,0,0"}}) {
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{"--points", "0"},
+                                                                                    {"--noise", "-1"},
+                                                                                    {"--outliers", "2"},
+                                                                                    {"--pattern", "spiral"},
+                                                                                    {"--drop-outs", "2"},
+                                                                                    {"--view", "0,0,0"}}) {
     std::vector<std::string> arguments{"sample", "--cad", "missing.step", "-o", "a.xyz"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run_tri(arguments, folder.path());
@@ -112,7 +115,8 @@ TEST_CASE("tri: an interrupt ends a command with 130 and without output") {
   const TemporaryFolder folder;
   REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
   // So many points take far longer than the interrupt.
-  const Outcome outcome = run_tri({"sample", "--cad", "cap.step", "-n", "3000000", "-o", "a.xyz"}, folder.path(), "", 400);
+  const Outcome outcome =
+      run_tri({"sample", "--cad", "cap.step", "-n", "3000000", "-o", "a.xyz"}, folder.path(), "", 400);
   CHECK(outcome.exit_code == 130);
   CHECK(folder.entries() == std::vector<std::string>{"cap.step"});
 }
@@ -122,7 +126,9 @@ namespace {
 // A part and 1500 points on it.
 void make_measurement(const TemporaryFolder& folder) {
   REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
-  REQUIRE(run_tri({"sample", "--cad", "cap.step", "-n", "1500", "--no-truth", "-o", "cap.xyz"}, folder.path()).exit_code == 0);
+  REQUIRE(
+      run_tri({"sample", "--cad", "cap.step", "-n", "1500", "--no-truth", "-o", "cap.xyz"}, folder.path()).exit_code ==
+      0);
 }
 
 }  // namespace
@@ -140,17 +146,18 @@ TEST_CASE("tri: an interrupt ends a command that waits for its CAD file, which n
   }
 }
 
-TEST_CASE("tri triangulate: every point becomes a vertex of one mesh with the model's topology, and the report says so") {
+TEST_CASE(
+    "tri triangulate: every point becomes a vertex of one mesh with the model's topology, and the report says so") {
   const TemporaryFolder folder;
   make_measurement(folder);
-  const Outcome outcome = run_tri({"triangulate", "--cad", "cap.step", "cap.xyz", "-o", "cap.ply", "--report", "report.json"},
-                                  folder.path());
+  const Outcome outcome = run_tri(
+      {"triangulate", "--cad", "cap.step", "cap.xyz", "-o", "cap.ply", "--report", "report.json"}, folder.path());
   CAPTURE(outcome.err);
   REQUIRE(outcome.exit_code == 0);
   CHECK(outcome.err.empty());  // no progress, as this is no terminal
   const json report = json::parse(file_bytes(folder / "report.json"));
-  for (const char* key : {"points", "outliers", "faces", "unmeasured_faces", "holes", "unusable_faces", "topology", "method",
-                          "seconds", "version", "options"})
+  for (const char* key : {"points", "outliers", "faces", "unmeasured_faces", "holes", "unusable_faces", "topology",
+                          "method", "seconds", "version", "options"})
     CHECK_MESSAGE(report.contains(key), key);
   for (const char* key : {"model", "mesh"})
     for (const char* number : {"components", "loops", "euler"}) CHECK(report["topology"][key].contains(number));
@@ -166,7 +173,8 @@ TEST_CASE("tri triangulate: every point becomes a vertex of one mesh with the mo
   CHECK(info["euler"] == 1);
   CHECK((info["manifold"] == true && info["oriented"] == true));
   for (const char* property : {"point_index", "cad_face", "u", "v", "deviation"})
-    CHECK_MESSAGE(std::count(info["vertex_properties"].begin(), info["vertex_properties"].end(), property) == 1, property);
+    CHECK_MESSAGE(std::count(info["vertex_properties"].begin(), info["vertex_properties"].end(), property) == 1,
+                  property);
 }
 
 TEST_CASE("tri triangulate: wrong usage is refused with 2 before any file is opened") {
@@ -197,8 +205,9 @@ TEST_CASE("tri triangulate: bad points are refused with the documented code and 
   folder.make("nan.xyz", "0 0 0\n1 nan 0\n0 1 0\n1 1 0\n");
   folder.make("infinite.xyz", "0 0 0\n1 inf 0\n0 1 0\n1 1 0\n");
   folder.make("two.xyz", "0 0 1\n1 0 1\n");
-  folder.make("truncated.ply", "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\nproperty float z\n"
-                               "end_header\n0 0 0\n");
+  folder.make("truncated.ply",
+              "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\nproperty float z\n"
+              "end_header\n0 0 0\n");
   std::string far, equal;
   for (int i = 0; i < 50; ++i) {
     far += std::to_string(10000 + i % 7) + " " + std::to_string(i % 5) + " " + std::to_string(i % 3) + "\n";

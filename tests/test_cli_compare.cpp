@@ -210,7 +210,8 @@ TEST_CASE("tri triangulate --report: a page beside the JSON report, with the sam
 TEST_CASE("tri compare --cad: the vertices of a mesh count as points do, for any number of threads") {
   const TemporaryFolder folder;
   measure_cap(folder);
-  REQUIRE(run_tri({"triangulate", "--cad", "cap.step", "cap.xyz", "--align", "none", "-o", "cap.ply"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"triangulate", "--cad", "cap.step", "cap.xyz", "--align", "none", "-o", "cap.ply"}, folder.path())
+              .exit_code == 0);
   const json points = compared(folder, {"cap.xyz"}), mesh = compared(folder, {"cap.ply", "-o", "out.ply"});
   CHECK(mesh["measured"] == "vertices of a mesh");
   CHECK(mesh["overall"]["points"] == 3000);

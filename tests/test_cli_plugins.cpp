@@ -30,11 +30,12 @@ TEST_CASE("tri ops, tri run: operators of plug-ins stand among the others") {
   const Outcome ops = run_tri({"ops", "scale", "--plugins", plugins + "/good", "--json"}, folder.path());
   REQUIRE(ops.exit_code == 0);
   CHECK(json::parse(ops.out)["options"][0]["name"] == "factor");
-  CHECK(contains(run_tri({"ops", "--plugins", plugins + "/good"}, folder.path()).out, "Scales a mesh about the origin"));
+  CHECK(
+      contains(run_tri({"ops", "--plugins", plugins + "/good"}, folder.path()).out, "Scales a mesh about the origin"));
 
-  const Outcome run = run_tri(
-      {"run", "--plugins", plugins + "/good", "in.off", "!", "scale", "--factor", "2", "!", "out.off", "--save", "r.json"},
-      folder.path());
+  const Outcome run = run_tri({"run", "--plugins", plugins + "/good", "in.off", "!", "scale", "--factor", "2", "!",
+                               "out.off", "--save", "r.json"},
+                              folder.path());
   CHECK(run.exit_code == 0);
   CHECK(contains(file_bytes(folder / "out.off"), "0 2 1"));
 

@@ -92,8 +92,9 @@ TEST_CASE("tri run: points cannot become a mesh without a model, and that is sai
         {"run", "p.ply", "!", "thin", "!", "out.obj"}})
     check_refused_for(run_tri(words, folder.path()), 2, "needs a model");
   check_refused_for(run_tri({"run", "p.stl", "!", "weld", "!", "thin", "!", "out.xyz"}, folder.path()), 2,
-                "works on points");
-  check_refused_for(run_tri({"run", "p.stl", "!", "weld", "!", "out.ply", "--units", "m"}, folder.path()), 2, "--units");
+                    "works on points");
+  check_refused_for(run_tri({"run", "p.stl", "!", "weld", "!", "out.ply", "--units", "m"}, folder.path()), 2,
+                    "--units");
   check_refused_for(run_tri({"run", "p.xyz", "!", "thin", "--voxel", "0", "!", "out.xyz"}, folder.path()), 2, "voxel");
   CHECK(folder.entries().empty());
 }

@@ -21,7 +21,8 @@ int count_of(const std::string& text, const std::string& part) {
 }
 
 using Quad = std::array<int, 4>;
-constexpr std::array<Quad, 6> sides{{{1, 4, 3, 2}, {5, 6, 7, 8}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}}};
+constexpr std::array<Quad, 6> sides{
+    {{1, 4, 3, 2}, {5, 6, 7, 8}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}}};
 
 std::array<std::array<double, 3>, 8> corners(double low, double size) {
   const double a = low, b = low + size;
@@ -173,8 +174,9 @@ TEST_CASE("tri repair: what cannot be repaired is named, the mesh is written, an
 
 TEST_CASE("tri repair: crossing sheets stay open sheets unless a solid is asked for") {
   const TemporaryFolder folder;
-  folder.make("in.obj",
-              "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nv 0.3 0.2 -1\nv 0.3 0.8 -1\nv 0.3 0.8 1\nv 0.3 0.2 1\nf 5 6 7 8\n");
+  folder.make(
+      "in.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nv 0.3 0.2 -1\nv 0.3 0.8 -1\nv 0.3 0.8 1\nv 0.3 0.2 1\nf 5 6 7 8\n");
   const Outcome outcome = run_tri({"repair", "in.obj", "-o", "out.ply"}, folder.path());
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.out, "goal: a surface"));
@@ -187,8 +189,8 @@ TEST_CASE("tri repair: crossing sheets stay open sheets unless a solid is asked 
 TEST_CASE("tri repair and tri run: what the format cannot hold is said once") {
   const TemporaryFolder folder;
   folder.make("in.ply", cube_ply("coloured"));
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"repair", "in.ply", "-o", "out.stl"}, std::vector<std::string>{"run", "in.ply", "!", "out.stl"}}) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"repair", "in.ply", "-o", "out.stl"},
+                                                std::vector<std::string>{"run", "in.ply", "!", "out.stl"}}) {
     const Outcome outcome = run_tri(words, folder.path());
     CHECK(outcome.exit_code == 0);
     CHECK(count_of(outcome.err, "colours") == 1);
@@ -198,10 +200,10 @@ TEST_CASE("tri repair and tri run: what the format cannot hold is said once") {
 TEST_CASE("tri repair: wrong words are refused with 2") {
   const TemporaryFolder folder;
   folder.make("in.obj", cube_obj());
-  for (const std::vector<std::string>& words : {std::vector<std::string>{"repair", "in.obj"},
-                                                std::vector<std::string>{"repair", "in.obj", "-o", "out.what"},
-                                                std::vector<std::string>{"repair", "in.obj", "-o", "out.off", "--goal", "sphere"},
-                                                std::vector<std::string>{"repair", "in.obj", "-o", "out.off", "--max-deviation", "2"}}) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"repair", "in.obj"}, std::vector<std::string>{"repair", "in.obj", "-o", "out.what"},
+        std::vector<std::string>{"repair", "in.obj", "-o", "out.off", "--goal", "sphere"},
+        std::vector<std::string>{"repair", "in.obj", "-o", "out.off", "--max-deviation", "2"}}) {
     const Outcome outcome = run_tri(words, folder.path());
     CHECK(outcome.exit_code == 2);
     CHECK(outcome.out.empty());

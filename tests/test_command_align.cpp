@@ -33,7 +33,8 @@ std::vector<double> numbers(const std::string& path, bool header = false) {
 // A bracket, and a scan of it in another pose.
 void make_scan(const TemporaryFolder& folder) {
   REQUIRE(run_tri({"model", "bracket", "-o", "part.step"}, folder.path()).exit_code == 0);
-  REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "2000", "--noise", "0.01", "--move", "--seed", "4", "-o", "scan.xyz"},
+  REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "2000", "--noise", "0.01", "--move", "--seed", "4", "-o",
+                   "scan.xyz"},
                   folder.path())
               .exit_code == 0);
 }
@@ -54,8 +55,8 @@ double rms_to_truth(const TemporaryFolder& folder, const std::string& aligned) {
 TEST_CASE("tri align: brings a scan to its true place, and the pose file does it again") {
   const TemporaryFolder folder;
   make_scan(folder);
-  const Outcome outcome = run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "aligned.xyz", "--write-pose", "pose.json",
-                                   "--report", "report.json"},
+  const Outcome outcome = run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "aligned.xyz", "--write-pose",
+                                   "pose.json", "--report", "report.json"},
                                   folder.path());
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.out, "alignment: good"));
@@ -66,7 +67,8 @@ TEST_CASE("tri align: brings a scan to its true place, and the pose file does it
   CHECK(report["alignment"]["pose"]["matrix"] == json::parse(file_bytes(folder / "pose.json"))["matrix"]);
 
   for (const std::string pose : {"pose.json", "report.json"}) {
-    REQUIRE(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "again.xyz", "--pose", pose, "--align", "none"}, folder.path())
+    REQUIRE(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "again.xyz", "--pose", pose, "--align", "none"},
+                    folder.path())
                 .exit_code == 0);
     CHECK(file_bytes(folder / "again.xyz") == file_bytes(folder / "aligned.xyz"));
   }
@@ -85,17 +87,21 @@ TEST_CASE("tri align: starts from pairs of points") {
     for (std::size_t k = 0; k < 3; ++k) pairs += std::to_string(truth[11 * i + 4 + k]) + (k < 2 ? "," : "\n");
   }
   folder.make("pairs.txt", pairs);
-  REQUIRE(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "pairs.txt"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "pairs.txt"}, folder.path())
+              .exit_code == 0);
   CHECK(rms_to_truth(folder, "a.xyz") < 0.011);
 
   folder.make("line.txt", "0 0 0 0 0 0\n1 0 0 1 0 0\n2 0 0 2 0 0\n");
-  const Outcome line = run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "line.txt"}, folder.path());
+  const Outcome line =
+      run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "line.txt"}, folder.path());
   CHECK(line.exit_code == 1);
   CHECK(contains(line.err, "on one line"));
   folder.make("two.txt", "0 0 0 0 0 0\n1 0 0 1 0 0\n");
-  CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "two.txt"}, folder.path()).exit_code == 3);
+  CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "two.txt"}, folder.path())
+            .exit_code == 3);
   folder.make("words.txt", "0 0 0 0 0\n");
-  CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "words.txt"}, folder.path()).exit_code == 3);
+  CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pairs", "words.txt"}, folder.path())
+            .exit_code == 3);
 }
 
 TEST_CASE("tri align: a scan in another unit fails, names the option, and the option cures it") {
@@ -109,12 +115,15 @@ TEST_CASE("tri align: a scan in another unit fails, names the option, and the op
     inches += text;
   }
   folder.make("inch.xyz", inches);
-  const Outcome outcome = run_tri({"align", "--cad", "part.step", "inch.xyz", "-o", "a.xyz", "--report", "r.json"}, folder.path());
+  const Outcome outcome =
+      run_tri({"align", "--cad", "part.step", "inch.xyz", "-o", "a.xyz", "--report", "r.json"}, folder.path());
   CHECK(outcome.exit_code == 1);
   CHECK(contains(outcome.err, "--units inch"));
   CHECK_FALSE(std::filesystem::exists(folder / "a.xyz"));
   CHECK(json::parse(file_bytes(folder / "r.json"))["alignment"]["status"] == "failed");
-  REQUIRE(run_tri({"align", "--cad", "part.step", "inch.xyz", "-o", "a.xyz", "--units", "inch"}, folder.path()).exit_code == 0);
+  REQUIRE(
+      run_tri({"align", "--cad", "part.step", "inch.xyz", "-o", "a.xyz", "--units", "inch"}, folder.path()).exit_code ==
+      0);
   CHECK(rms_to_truth(folder, "a.xyz") < 0.011);
 }
 
@@ -124,9 +133,11 @@ TEST_CASE("tri align: refuses pose files without a rigid motion") {
   for (const std::string text : {"{}", "[1]", "{\"matrix\": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}",
                                  "{\"matrix\": [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}", "{\"matrix\""}) {
     folder.make("pose.json", text);
-    CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pose", "pose.json"}, folder.path()).exit_code == 3);
+    CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pose", "pose.json"}, folder.path())
+              .exit_code == 3);
   }
-  CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pose", "p.json", "--pairs", "q.txt"}, folder.path())
+  CHECK(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "a.xyz", "--pose", "p.json", "--pairs", "q.txt"},
+                folder.path())
             .exit_code == 2);
 }
 
@@ -134,11 +145,13 @@ TEST_CASE("tri triangulate: aligns points in another pose, and leaves those in t
   const TemporaryFolder folder;
   make_scan(folder);
   REQUIRE(run_tri({"align", "--cad", "part.step", "scan.xyz", "-o", "aligned.xyz"}, folder.path()).exit_code == 0);
-  const std::vector<std::string> moved{"triangulate", "--cad", "part.step", "scan.xyz", "-o", "moved.ply", "--report", "moved.json"};
+  const std::vector<std::string> moved{"triangulate", "--cad",     "part.step", "scan.xyz",
+                                       "-o",          "moved.ply", "--report",  "moved.json"};
   const Outcome outcome = run_tri(moved, folder.path());
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.out, "alignment: good"));
-  REQUIRE(run_tri({"triangulate", "--cad", "part.step", "aligned.xyz", "-o", "placed.ply", "--report", "placed.json"}, folder.path())
+  REQUIRE(run_tri({"triangulate", "--cad", "part.step", "aligned.xyz", "-o", "placed.ply", "--report", "placed.json"},
+                  folder.path())
               .exit_code == 0);
   CHECK(file_bytes(folder / "moved.ply") == file_bytes(folder / "placed.ply"));
   CHECK(json::parse(file_bytes(folder / "moved.json"))["alignment"]["kept"] == false);
@@ -171,27 +184,32 @@ TEST_CASE("tri triangulate, compare, register --probe-radius: centres of a ball 
   CHECK(mean({}) == doctest::Approx(2).epsilon(1e-6));
   CHECK(std::abs(mean({"--probe-radius", "2"})) < 1e-6);
 
-  REQUIRE(run_tri({"register", "--cad", "part.step", "centres.xyz", "--probe-radius", "2", "-o", "r.csv"}, folder.path())
-              .exit_code == 0);
+  REQUIRE(
+      run_tri({"register", "--cad", "part.step", "centres.xyz", "--probe-radius", "2", "-o", "r.csv"}, folder.path())
+          .exit_code == 0);
   const auto rows = numbers(folder / "r.csv", true);
   REQUIRE(rows.size() == 9600);
   for (std::size_t i = 0; i < 800; ++i)
     for (std::size_t k = 0; k < 3; ++k) CHECK(std::abs(rows[12 * i + 1 + k] - truth[11 * i + 4 + k]) < 1e-6);
 
-  REQUIRE(run_tri({"triangulate", "--cad", "part.step", "centres.xyz", "--probe-radius", "2", "-o", "mesh.ply", "--report",
-                   "mesh.json"},
+  REQUIRE(run_tri({"triangulate", "--cad", "part.step", "centres.xyz", "--probe-radius", "2", "-o", "mesh.ply",
+                   "--report", "mesh.json"},
                   folder.path())
               .exit_code == 0);
-  REQUIRE(run_tri({"compare", "--cad", "part.step", "mesh.ply", "--csv", "mesh.csv", "--report", "c.json"}, folder.path()).exit_code == 0);
+  REQUIRE(
+      run_tri({"compare", "--cad", "part.step", "mesh.ply", "--csv", "mesh.csv", "--report", "c.json"}, folder.path())
+          .exit_code == 0);
   const json compared = json::parse(file_bytes(folder / "c.json"));
   CHECK(compared["overall"]["points"] == 800);
   CHECK(std::abs(compared["overall"]["max"].get<double>()) < 1e-6);
   CHECK(json::parse(file_bytes(folder / "mesh.json"))["options"]["probe_radius"] == 2);
   for (const char* bad : {"-1", "inf", "nan", "x"})
-    CHECK(run_tri({"compare", "--cad", "part.step", "centres.xyz", "--probe-radius", bad}, folder.path()).exit_code == 2);
+    CHECK(run_tri({"compare", "--cad", "part.step", "centres.xyz", "--probe-radius", bad}, folder.path()).exit_code ==
+          2);
 }
 
-TEST_CASE("tri align --align icp, none: points that are too large are named so within seconds, with the unit that cures it") {
+TEST_CASE(
+    "tri align --align icp, none: points that are too large are named so within seconds, with the unit that cures it") {
   const TemporaryFolder folder;
   REQUIRE(run_tri({"model", "blade", "-o", "part.step"}, folder.path()).exit_code == 0);
   REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "1500", "-o", "scan.xyz"}, folder.path()).exit_code == 0);

@@ -38,11 +38,13 @@ TEST_CASE("tri register: finds the face, the place on it and the closest point t
   const TemporaryFolder folder;
   REQUIRE(run_tri({"model", "bracket", "-o", "part.step"}, folder.path()).exit_code == 0);
   REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "2000", "-o", "scan.xyz"}, folder.path()).exit_code == 0);
-  const Outcome outcome = run_tri({"register", "--cad", "part.step", "scan.xyz", "-o", "r.csv", "--report", "r.json"}, folder.path());
+  const Outcome outcome =
+      run_tri({"register", "--cad", "part.step", "scan.xyz", "-o", "r.csv", "--report", "r.json"}, folder.path());
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.out, "2,000 points"));
   CHECK(outcome.err.empty());
-  const auto truth = rows_of_file(folder / "scan.truth.csv", truth_header), found = rows_of_file(folder / "r.csv", header);
+  const auto truth = rows_of_file(folder / "scan.truth.csv", truth_header),
+             found = rows_of_file(folder / "r.csv", header);
   REQUIRE(truth.size() == 2000);
   REQUIRE(found.size() == 2000);
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -67,7 +69,9 @@ TEST_CASE("tri register: finds the face, the place on it and the closest point t
 TEST_CASE("tri register: converts units, names points that are far away, and says more if most of them are") {
   const TemporaryFolder folder;
   REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
-  REQUIRE(run_tri({"sample", "--cad", "cap.step", "-n", "50", "--no-truth", "-o", "cap.xyz"}, folder.path()).exit_code == 0);
+  REQUIRE(
+      run_tri({"sample", "--cad", "cap.step", "-n", "50", "--no-truth", "-o", "cap.xyz"}, folder.path()).exit_code ==
+      0);
   const std::string points = file_bytes(folder / "cap.xyz");
   folder.make("one.xyz", points + "1000 0 0\n");
   const Outcome one = run_tri({"register", "--cad", "cap.step", "one.xyz", "-o", "r.ply", "--json"}, folder.path());
@@ -76,20 +80,24 @@ TEST_CASE("tri register: converts units, names points that are far away, and say
   CHECK(summary["far"]["indices"] == json::array({50}));
   CHECK(contains(one.err, "1 of 51 points"));
   CHECK(!contains(one.err, "--units"));
-  const Outcome inches = run_tri({"register", "--cad", "cap.step", "one.xyz", "--units", "inch", "-o", "r.ply"}, folder.path());
+  const Outcome inches =
+      run_tri({"register", "--cad", "cap.step", "one.xyz", "--units", "inch", "-o", "r.ply"}, folder.path());
   CHECK(inches.exit_code == 0);
   CHECK(contains(inches.err, "--units"));
-  const Outcome quiet = run_tri({"register", "--cad", "cap.step", "one.xyz", "--units", "inch", "-o", "r.ply", "-q"}, folder.path());
+  const Outcome quiet =
+      run_tri({"register", "--cad", "cap.step", "one.xyz", "--units", "inch", "-o", "r.ply", "-q"}, folder.path());
   CHECK(quiet.err.empty());
   // A wider limit takes the point in.
-  const Outcome wide = run_tri({"register", "--cad", "cap.step", "one.xyz", "--far", "5000", "-o", "r.ply", "--json"}, folder.path());
+  const Outcome wide =
+      run_tri({"register", "--cad", "cap.step", "one.xyz", "--far", "5000", "-o", "r.ply", "--json"}, folder.path());
   CHECK(json::parse(wide.out)["far"]["points"] == 0);
 }
 
 TEST_CASE("tri register: takes the points as they are, or moved as a pose says") {
   const TemporaryFolder folder;
   REQUIRE(run_tri({"model", "bracket", "-o", "part.step"}, folder.path()).exit_code == 0);
-  REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "300", "--move", "-o", "scan.xyz"}, folder.path()).exit_code == 0);
+  REQUIRE(run_tri({"sample", "--cad", "part.step", "-n", "300", "--move", "-o", "scan.xyz"}, folder.path()).exit_code ==
+          0);
   const auto farthest = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"register", "--cad", "part.step", "scan.xyz", "-o", "r.csv", "--report", "r.json"};
     words.insert(words.end(), more.begin(), more.end());
@@ -140,7 +148,8 @@ TEST_CASE("tri register: an interrupt ends it with 130 and without output") {
 TEST_CASE("tri register: normals, intensity and further columns of the points follow, turned as the points are") {
   const TemporaryFolder folder;
   REQUIRE(run_tri({"model", "sphere-cap", "-o", "cap.step"}, folder.path()).exit_code == 0);
-  folder.make("scan.csv", "x,y,z,nx,ny,nz,intensity,quality\n0,0,0,1,0,0,0.5,7\n1,2,3,0,1,0,0.25,8\n2,1,5,0,0,1,0.125,9\n");
+  folder.make("scan.csv",
+              "x,y,z,nx,ny,nz,intensity,quality\n0,0,0,1,0,0,0.5,7\n1,2,3,0,1,0,0.25,8\n2,1,5,0,0,1,0.125,9\n");
   // A quarter turn about z.
   folder.make("pose.json", "{\"matrix\": [[0,-1,0,0],[1,0,0,0],[0,0,1,0],[0,0,0,1]]}");
   REQUIRE(run_tri({"register", "--cad", "cap.step", "scan.csv", "--pose", "pose.json", "-o", "r.csv"}, folder.path())

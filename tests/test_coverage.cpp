@@ -46,9 +46,9 @@ struct Ground {
 };
 std::vector<Ground> grounds() {
   return {{"plane", make_shape(BRepBuilderAPI_MakeFace(gp_Pln(), 0, 100, 0, 80).Face()), {{30, 40, 0}, {75, 35, 0}}},
-          {"cylinder",
-           make_shape(BRepPrimAPI_MakeCylinder(20, 100).Shape()),
-           {{20, 0, 60}, {0, -20, 45}}}};  // one on the seam
+          {"cylinder", make_shape(BRepPrimAPI_MakeCylinder(20, 100).Shape()), {{20, 0, 60}, {0, -20, 45}}}};  // one on
+                                                                                                              // the
+                                                                                                              // seam
 }
 
 struct Covered {

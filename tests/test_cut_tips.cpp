@@ -154,15 +154,18 @@ TEST_CASE("cut_tips: solids that touch in a point come apart, whatever their cor
 
 TEST_CASE("cut_tips: what does not touch stays as it is, and what has no room is counted") {
   Context context;
-  const Shape one = grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{100, 0, 0}, GridPoint{0, 100, 0}, GridPoint{0, 0, 100}});
+  const Shape one =
+      grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{100, 0, 0}, GridPoint{0, 100, 0}, GridPoint{0, 0, 100}});
   PlacedBoundary alone = together({one});
   const PlacedBoundary before = alone;
   CHECK(cut_tips(alone, 10, context) == 0);
   CHECK(alone.triangles == before.triangles);
   CHECK(alone.points == before.points);
   // Edges of a step or two leave nothing to cut.
-  const Shape tiny = grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{-2, 0, 0}, GridPoint{0, -2, 0}, GridPoint{0, 0, -2}});
-  const Shape small = grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{2, 0, 0}, GridPoint{0, 2, 0}, GridPoint{0, 0, 2}});
+  const Shape tiny =
+      grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{-2, 0, 0}, GridPoint{0, -2, 0}, GridPoint{0, 0, -2}});
+  const Shape small =
+      grid_tetrahedron({GridPoint{0, 0, 0}, GridPoint{2, 0, 0}, GridPoint{0, 2, 0}, GridPoint{0, 0, 2}});
   PlacedBoundary stuck = together({tiny, small});
   CHECK(cut_tips(stuck, 10, context) == 1);
 }

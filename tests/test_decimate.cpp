@@ -196,8 +196,8 @@ TEST_CASE("decimate: with max-error the distance of the surfaces is measured, bo
           const Vec3 p = (i * from->points[t[0]] + j * from->points[t[1]] + (6 - i - j) * from->points[t[2]]) / 6.0;
           double least = 1e9;
           for (const Triangle& u : to->triangles)
-            least = std::min(least,
-                             (closest_on_triangle({to->points[u[0]], to->points[u[1]], to->points[u[2]]}, p) - p).norm());
+            least = std::min(
+                least, (closest_on_triangle({to->points[u[0]], to->points[u[1]], to->points[u[2]]}, p) - p).norm());
           most = std::max(most, least);
         }
   const double found = report.figures.at("hausdorff"), bound = report.figures.at("hausdorff at most");

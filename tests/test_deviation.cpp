@@ -1,18 +1,17 @@
 #include <doctest/doctest.h>
 
 // OpenMesh's headers do not compile after OpenCASCADE's.
-#include "libtri/deviation.hpp"
-#include "libtri/triangulation/triangulate.hpp"
-
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "libtri/deviation.hpp"
 #include "libtri/example_parts.hpp"
 #include "libtri/model/shape_occt.hpp"
 #include "libtri/sampling/virtual_measurement.hpp"
+#include "libtri/triangulation/triangulate.hpp"
 #include "meshops/error.hpp"
 
 using namespace tri;
@@ -144,8 +143,8 @@ TEST_CASE("deviations: refuses what it cannot count, and heeds a cancel") {
   Measured broken = m;
   broken.feet.pop_back();
   CHECK_THROWS_AS(deviations_of(broken, {}), InvalidInput);
-  const Measured infinite =
-      measured_points(BRepPrimAPI_MakeBox(1, 1, 1).Shape(), {{0, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0}});
+  const Measured infinite = measured_points(BRepPrimAPI_MakeBox(1, 1, 1).Shape(),
+                                            {{0, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0}});
   CHECK_THROWS_AS(deviations_of(infinite, {}), InvalidInput);
   CHECK_THROWS_AS(feet_of(Mesh(), m.model), InvalidInput);
   Context cancelled;

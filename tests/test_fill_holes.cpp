@@ -12,7 +12,7 @@ using namespace tri::test;
 namespace {
 
 constexpr HoleStrategy all_strategies[] = {HoleStrategy::nearest_diagonal, HoleStrategy::minimum_area_dihedral,
-                                       HoleStrategy::minimum_area, HoleStrategy::least_bending};
+                                           HoleStrategy::minimum_area, HoleStrategy::least_bending};
 
 /// 20 x 20 cells in the plane without those that `hole` names.
 PatchShape sheet_without(std::function<bool(int, int)> hole) {

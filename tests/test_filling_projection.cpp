@@ -18,7 +18,6 @@ using std::numbers::pi;
 
 namespace {
 
-
 struct Holed {
   Mesh mesh;
   std::vector<VertexHandle> ring;  ///< of the hole, as a filling runs
@@ -94,7 +93,8 @@ std::size_t check_against_all_pairs(Holed& h) {
     if (doubt[t]) continue;
     ++shown;
     for (std::size_t u = 0; u < h.filling.size(); ++u) wrong += u != t && meet_in_space(h, h.filling[t], h.filling[u]);
-    for (const FaceHandle f : h.mesh.faces()) wrong += projection.covers(f) && meet_in_space(h, h.filling[t], corners_of_filling(h, f));
+    for (const FaceHandle f : h.mesh.faces())
+      wrong += projection.covers(f) && meet_in_space(h, h.filling[t], corners_of_filling(h, f));
   }
   CHECK(wrong == 0);
   return shown;

@@ -1,10 +1,9 @@
-#include "libtri/alignment/fit_quality.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "libtri/alignment/fit_quality.hpp"
 #include "libtri/alignment/verdict.hpp"
 #include "meshops/random_stream.hpp"
 

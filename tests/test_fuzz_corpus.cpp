@@ -22,7 +22,8 @@ TEST_CASE("fuzz corpus: every file is read consistently or refused with an IoErr
       CHECK_NOTHROW(fine = fuzz::read_as_points(bytes, "input." + (format == "points" ? "xyz" : format)));
 #ifdef TRI_WITH_3MF
     else if (format == "3mf" && !bytes.starts_with("PK"))  // the model within the archive
-      CHECK_NOTHROW(fine = fuzz::read_as_mesh(io_detail::zip_of({{"3D/3dmodel.model", bytes}}, "input.3mf"), "input.3mf"));
+      CHECK_NOTHROW(fine =
+                        fuzz::read_as_mesh(io_detail::zip_of({{"3D/3dmodel.model", bytes}}, "input.3mf"), "input.3mf"));
 #endif
     else
       CHECK_NOTHROW(fine = fuzz::read_as_mesh(bytes, "input." + format));

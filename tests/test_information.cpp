@@ -1,11 +1,10 @@
-#include "libtri/alignment/information.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "libtri/alignment/information.hpp"
 #include "meshops/random_stream.hpp"
 
 using namespace tri;
@@ -88,7 +87,8 @@ TEST_CASE("information_of: a helicoid screws along itself") {
   std::vector<PointResidual> r;
   for (int i = 0; i < 400; ++i) {
     const double radius = 1 + i % 10, t = 0.05 * i;
-    r.push_back(residual({radius * std::cos(t), radius * std::sin(t), 2 * t}, {2 * std::sin(t), -2 * std::cos(t), radius}));
+    r.push_back(
+        residual({radius * std::cos(t), radius * std::sin(t), 2 * t}, {2 * std::sin(t), -2 * std::cos(t), radius}));
   }
   const PoseInformation info = information(r);
   REQUIRE(info.freedoms.size() == 1);

@@ -23,7 +23,8 @@ Soup cell_box(const Vec3& low, const Vec3& high, std::uint32_t cells = 1) {
   std::map<std::array<double, 3>, std::uint32_t> index;
   const auto vertex = [&](Vec3 p) {
     for (int k = 0; k < 3; ++k) p[k] = low[k] + (high[k] - low[k]) * p[k] / cells;
-    const auto [it, added] = index.emplace(std::array{p[0], p[1], p[2]}, static_cast<std::uint32_t>(soup.points.size()));
+    const auto [it, added] =
+        index.emplace(std::array{p[0], p[1], p[2]}, static_cast<std::uint32_t>(soup.points.size()));
     if (added) soup.points.push_back(p);
     return it->second;
   };
@@ -53,7 +54,8 @@ void put_beside(Soup& soup, const Soup& other) {
 
 Soup turned(Soup soup, double angle, const Vec3& axis) {
   const Vec3 u = axis / axis.norm();
-  for (Vec3& p : soup.points) p = p * std::cos(angle) + (u % p) * std::sin(angle) + u * ((u | p) * (1 - std::cos(angle)));
+  for (Vec3& p : soup.points)
+    p = p * std::cos(angle) + (u % p) * std::sin(angle) + u * ((u | p) * (1 - std::cos(angle)));
   return soup;
 }
 
@@ -114,7 +116,9 @@ std::size_t contacts(const Soup& soup) {
         apart |= std::max({a[0][k], a[1][k], a[2][k]}) < std::min({b[0][k], b[1][k], b[2][k]}) ||
                  std::max({b[0][k], b[1][k], b[2][k]}) < std::min({a[0][k], a[1][k], a[2][k]});
       if (share || apart) continue;
-      const auto as = [&](const Triangle& t) { return std::array{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]}; };
+      const auto as = [&](const Triangle& t) {
+        return std::array{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]};
+      };
       count += triangles_intersect(as(soup.triangles[i]), as(soup.triangles[j]));
     }
   }
@@ -147,9 +151,11 @@ Soup with_defects(unsigned kinds, std::uint32_t seed) {
   const auto real = [&] { return static_cast<double>(random() % 100000) / 100000; };
   Soup soup = turned(cell_box(Vec3(0, 0, 0), Vec3(1, 1, 1), 2 + number(2)), real(), Vec3(real() + 0.1, real(), real()));
   if (kinds & 1)  // another solid through it
-    put_beside(soup, turned(cell_box(Vec3(0.3, 0.2, 0.4), Vec3(1.4, 0.9, 0.8), 1 + number(2)), real(), Vec3(real(), real(), 1)));
+    put_beside(soup, turned(cell_box(Vec3(0.3, 0.2, 0.4), Vec3(1.4, 0.9, 0.8), 1 + number(2)), real(),
+                            Vec3(real(), real(), 1)));
   if (kinds & 2)  // holes
-    for (int i = 0; i < 3; ++i) soup.triangles.erase(soup.triangles.begin() + number(static_cast<std::uint32_t>(soup.triangles.size())));
+    for (int i = 0; i < 3; ++i)
+      soup.triangles.erase(soup.triangles.begin() + number(static_cast<std::uint32_t>(soup.triangles.size())));
   if (kinds & 4)  // reversed triangles
     for (int i = 0; i < 4; ++i) {
       Triangle& t = soup.triangles[number(static_cast<std::uint32_t>(soup.triangles.size()))];
@@ -171,7 +177,8 @@ Soup with_defects(unsigned kinds, std::uint32_t seed) {
   if (kinds & 32) {  // loose triangles through everything
     for (int i = 0; i < 2; ++i) {
       const auto first = static_cast<std::uint32_t>(soup.points.size());
-      for (int k = 0; k < 3; ++k) soup.points.push_back(Vec3(1.6 * real() - 0.3, 1.6 * real() - 0.3, 1.6 * real() - 0.3));
+      for (int k = 0; k < 3; ++k)
+        soup.points.push_back(Vec3(1.6 * real() - 0.3, 1.6 * real() - 0.3, 1.6 * real() - 0.3));
       soup.triangles.push_back({first, first + 1, first + 2});
     }
   }
@@ -332,7 +339,8 @@ Soup tube(int corners, const Vec3& center) {
 
 }  // namespace
 
-TEST_CASE("make-solid: for single precision the result is a solid by place, every coordinate a float, and nothing is lost") {
+TEST_CASE(
+    "make-solid: for single precision the result is a solid by place, every coordinate a float, and nothing is lost") {
   Context context;
   // Each of these has sheets, walls, or solids that touch; the coordinates are no floats.
   std::vector<std::pair<std::string, Soup>> cases;
@@ -437,7 +445,8 @@ TEST_CASE("make-solid: for single precision thin solids that rounding turns insi
   for (const auto& [first, six_times] : volumes) CHECK(six_times > 0);
 }
 
-TEST_CASE("make-solid: triangles nearly in one plane, which rounding makes cross again, are made a solid more than once") {
+TEST_CASE(
+    "make-solid: triangles nearly in one plane, which rounding makes cross again, are made a solid more than once") {
   std::mt19937 random(1);
   const auto real = [&] { return 2.0 * static_cast<double>(random() % 1000000) / 1000000 - 1; };
   Context context;
@@ -525,7 +534,8 @@ TEST_CASE("repair: the deviation is that of what was closed, and every place lie
   const RepairResult result = repair(soup, {.goal = RepairGoal::solid}, context);
   REQUIRE(result.deviation.has_value());
   CHECK(result.deviation->lost == doctest::Approx(0));
-  CHECK(result.deviation->added == doctest::Approx(0.5).epsilon(0.1));  // the middle of the side is half a side from its rim
+  CHECK(result.deviation->added == doctest::Approx(0.5).epsilon(0.1));  // the middle of the side is half a side from
+                                                                        // its rim
   REQUIRE(result.places.size() == result.steps.size());
   REQUIRE(result.places.back().size() == 14);  // its rim has 16 vertices
   for (const RepairPlace& p : result.places.back()) {
@@ -537,7 +547,7 @@ TEST_CASE("repair: the deviation is that of what was closed, and every place lie
 
 TEST_CASE("repair: sheets that cross are cut apart and stay open for the goal surface") {
   Soup soup;
-  soup.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0),
+  soup.points = {Vec3(0, 0, 0),      Vec3(1, 0, 0),      Vec3(1, 1, 0),     Vec3(0, 1, 0),
                  Vec3(0.3, 0.2, -1), Vec3(0.3, 0.8, -1), Vec3(0.3, 0.8, 1), Vec3(0.3, 0.2, 1)};
   soup.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
   const Soup before = soup;

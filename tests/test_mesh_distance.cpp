@@ -142,8 +142,8 @@ TEST_CASE("mesh_distance: when the searches are used up the bounds still hold th
 
 TEST_CASE("mesh_distance: concentric spheres are as far apart as their radii differ, to the depth of a facet") {
   const int rings = 24;
-  const double sagitta =
-      1 - std::pow(std::cos(std::numbers::pi / rings), 2);  // a facet of the unit sphere dips at most so deep
+  const double sagitta = 1 - std::pow(std::cos(std::numbers::pi / rings), 2);  // a facet of the unit sphere dips at
+                                                                               // most so deep
   const MeshDistance d = distance(ring_sphere(1.2, rings), ring_sphere(1, rings + 1));
   CHECK(d.hausdorff >= 0.2 - 1e-12);
   CHECK(d.hausdorff_bound <= 0.2 + 1.2 * sagitta + 0.01 * d.hausdorff);

@@ -45,7 +45,9 @@ struct Charts {
     return mesh.property(chart, mesh.face_handle(h)) == 0 ? Vec2(p[0] - p[2], p[1]) : Vec2(20 + p[1], 3 * p[0] + p[2]);
   }
   double height_at(VertexHandle v) const { return 1 + 2 * mesh.point(v)[0] - mesh.point(v)[1] + 3 * mesh.point(v)[2]; }
-  OpenMesh::Vec3f offset_at(VertexHandle v) const { return OpenMesh::vector_cast<OpenMesh::Vec3f>(2.0 * mesh.point(v)); }
+  OpenMesh::Vec3f offset_at(VertexHandle v) const {
+    return OpenMesh::vector_cast<OpenMesh::Vec3f>(2.0 * mesh.point(v));
+  }
 
   bool seam(EdgeHandle e) const {
     if (mesh.is_boundary(e)) return false;
@@ -77,7 +79,8 @@ Vec3 along(const Mesh& mesh, EdgeHandle e, double share) {
 
 }  // namespace
 
-TEST_CASE("mesh_edit: splits keep values that are affine in the position, on both sides of a seam and on the boundary") {
+TEST_CASE(
+    "mesh_edit: splits keep values that are affine in the position, on both sides of a seam and on the boundary") {
   Charts c;
   std::mt19937 random(4);
   std::uniform_real_distribution<double> unit(0.1, 0.9);
@@ -162,7 +165,8 @@ TEST_CASE("mesh_edit: a collapse along the end of a seam takes each side's value
   OpenMesh::HPropHandleT<int> side;
   mesh.add_property(side, "h:side");
   for (const auto f : mesh.faces())
-    for (const auto h : mesh.fh_range(f)) mesh.property(side, h) = (f.idx() < 3 ? 100 : 200) + mesh.to_vertex_handle(h).idx();
+    for (const auto h : mesh.fh_range(f))
+      mesh.property(side, h) = (f.idx() < 3 ? 100 : 200) + mesh.to_vertex_handle(h).idx();
   collapse(view_of(mesh), mesh.find_halfedge(VertexHandle(0), VertexHandle(1)));
   CHECK_VALID_MESH(mesh);
   CHECK(live_faces(mesh) == 4);
@@ -191,7 +195,8 @@ TEST_CASE("mesh_edit: pieces inherit from the face and edge they come from; stat
   mesh.status(left).set_tagged(true);
   mesh.status(e).set_feature(true);
   const std::size_t edges = mesh.n_edges(), faces = mesh.n_faces();
-  const auto a = mesh.from_vertex_handle(mesh.halfedge_handle(e, 0)), b = mesh.to_vertex_handle(mesh.halfedge_handle(e, 0));
+  const auto a = mesh.from_vertex_handle(mesh.halfedge_handle(e, 0)),
+             b = mesh.to_vertex_handle(mesh.halfedge_handle(e, 0));
   const auto m = split_edge(view_of(mesh), e, along(mesh, e, 0.5), 0.5);
 
   const EdgeHandle half = mesh.edge_handle(mesh.find_halfedge(a, m));
@@ -201,7 +206,8 @@ TEST_CASE("mesh_edit: pieces inherit from the face and edge they come from; stat
   CHECK(mesh.status(half).feature());
   CHECK(mesh.property(flow, mesh.find_halfedge(a, m)) == 1000 + mesh.halfedge_handle(e, 0).idx());
   CHECK(mesh.property(flow, mesh.find_halfedge(m, a)) == 1000 + mesh.halfedge_handle(e, 1).idx());
-  const auto left_piece = mesh.face_handle(mesh.find_halfedge(a, m)), right_piece = mesh.face_handle(mesh.find_halfedge(m, a));
+  const auto left_piece = mesh.face_handle(mesh.find_halfedge(a, m)),
+             right_piece = mesh.face_handle(mesh.find_halfedge(m, a));
   CHECK(left_piece.idx() >= static_cast<int>(faces));
   CHECK(mesh.property(label, left_piece) == std::to_string(left.idx()));
   CHECK(mesh.property(label, right_piece) == std::to_string(right.idx()));

@@ -97,10 +97,12 @@ TEST_CASE("obj: groups become parts; what is not kept is counted") {
   CHECK(has_note(info.notes, "1 texture coordinates"));
 }
 
-TEST_CASE("obj: texture coordinates of corners, objects, groups and materials are kept, and come back as they were written") {
-  const std::string text = vertices +
-                           "vt 0.25 0.5\nvt 1 0\nvt 0 1\nvt 0.1 0.2\n"
-                           "f 1/1 2/2 3/3\ng left\nusemtl red\nf 1/4 3/2 4/1\ng right\nusemtl blue\nf 2 3 4\ng left\nf 1/1 2/2 4/4\n";
+TEST_CASE(
+    "obj: texture coordinates of corners, objects, groups and materials are kept, and come back as they were written") {
+  const std::string text =
+      vertices +
+      "vt 0.25 0.5\nvt 1 0\nvt 0 1\nvt 0.1 0.2\n"
+      "f 1/1 2/2 3/3\ng left\nusemtl red\nf 1/4 3/2 4/1\ng right\nusemtl blue\nf 2 3 4\ng left\nf 1/1 2/2 4/4\n";
   const Soup soup = parsed(text, "a.obj");
   REQUIRE(soup.triangles.size() == 4);
   CHECK(soup.face_labels.at("group") == std::vector<std::string>{"left", "right"});
@@ -127,7 +129,8 @@ TEST_CASE("obj: texture coordinates of corners, objects, groups and materials ar
 
 TEST_CASE("obj: the corners of a polygon keep their texture coordinates when it is cut") {
   // A concave quadrilateral, which no fan from its first corner cuts rightly.
-  const Soup soup = parsed("v 1 1 0\nv 0 3 0\nv 0 0 0\nv 3 0 0\nvt 1 1\nvt 0 3\nvt 0 0\nvt 3 0\nf 2/2 3/3 4/4 1/1\n", "a.obj");
+  const Soup soup =
+      parsed("v 1 1 0\nv 0 3 0\nv 0 0 0\nv 3 0 0\nvt 1 1\nvt 0 3\nvt 0 0\nvt 3 0\nf 2/2 3/3 4/4 1/1\n", "a.obj");
   REQUIRE(soup.triangles.size() == 2);
   for (std::size_t i = 0; i < 6; ++i) {
     const Vec3& p = soup.points[soup.triangles[i / 3][i % 3]];

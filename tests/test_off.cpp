@@ -135,7 +135,9 @@ TEST_CASE("off: writes and reads back exactly, colours and normals too") {
 
 TEST_CASE("off: colours of faces, in both scales, on polygons, and faces without one") {
   MeshFileInfo info;
-  const Soup soup = parsed("OFF\n4 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 1.0 0.5 0.0\n3 0 1 2\n3 0 1 3 0 0 1.0 0.5\n3 0 1 2 7\n", "a.off", &info);
+  const Soup soup =
+      parsed("OFF\n4 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 1.0 0.5 0.0\n3 0 1 2\n3 0 1 3 0 0 1.0 0.5\n3 0 1 2 7\n",
+             "a.off", &info);
   REQUIRE(soup.triangles.size() == 5);
   const auto& green = soup.face_scalars.at("green");
   CHECK(soup.face_scalars.at("red")[0] == 255);
@@ -149,15 +151,19 @@ TEST_CASE("off: colours of faces, in both scales, on polygons, and faces without
   const Soup back = round_trip(soup, "a.off");
   for (const char* name : {"red", "green", "blue"})
     for (std::size_t i = 0; i < 5; ++i)
-      CHECK((back.face_scalars.at(name)[i] == soup.face_scalars.at(name)[i] || std::isnan(soup.face_scalars.at(name)[i])));
+      CHECK((back.face_scalars.at(name)[i] == soup.face_scalars.at(name)[i] ||
+             std::isnan(soup.face_scalars.at(name)[i])));
   CHECK(refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 300 0 0\n", "a.off").position() == 6);
 }
 
 TEST_CASE("off: texture coordinates of vertices become those of corners and come back") {
-  const Soup soup = parsed("STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 0.1 0.2\n1 0 0 0 0 1 0 255 0 255 0.3 0.4\n0 1 0 0 0 1 0 0 9 255 0.5 0.6\n3 2 0 1\n", "a.off");
+  const Soup soup = parsed(
+      "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 0.1 0.2\n1 0 0 0 0 1 0 255 0 255 0.3 0.4\n0 1 0 0 0 1 0 0 9 255 0.5 0.6\n3 2 0 1\n",
+      "a.off");
   CHECK(soup.corner_scalars.at("s") == std::vector<double>{0.5, 0.1, 0.3});
   CHECK(soup.corner_scalars.at("t") == std::vector<double>{0.6, 0.2, 0.4});
   CHECK(soup.vertex_colors[1] == std::array<std::uint8_t, 3>{0, 255, 0});
   CHECK(same_soup(round_trip(soup, "a.off"), soup));
-  CHECK(std::string(refused("STOFF\n1 0 0\n0 0 0 1\n", "a.off").what()).find("no texture coordinates") != std::string::npos);
+  CHECK(std::string(refused("STOFF\n1 0 0\n0 0 0 1\n", "a.off").what()).find("no texture coordinates") !=
+        std::string::npos);
 }

@@ -52,10 +52,11 @@ TEST_CASE("orient: nested shells face by turns, each relative to those around it
     const Soup inner = cube(Vec3(i, i, i), 9 - 2 * i);
     right = joined(right, i % 2 == 0 ? inner : turned_around(inner));
   }
-  right = joined(right, cube({20, 0, 0}, 2));          // beside
+  right = joined(right, cube({20, 0, 0}, 2));                        // beside
   right = joined(right, turned_around(cube({4.2, 4.2, 4.2}, 0.1)));  // in the innermost solid: depth 4 gives outward
   Soup wanted = right;
-  for (std::size_t i = wanted.triangles.size() - 12; i < wanted.triangles.size(); ++i) std::swap(wanted.triangles[i][1], wanted.triangles[i][2]);
+  for (std::size_t i = wanted.triangles.size() - 12; i < wanted.triangles.size(); ++i)
+    std::swap(wanted.triangles[i][1], wanted.triangles[i][2]);
   for (const double chance : {0.0, 0.3, 1.0}) {
     Soup soup = shuffled(right, chance);
     run_orient(soup);
@@ -114,7 +115,8 @@ TEST_CASE("orient: a Moebius strip is reported") {
   for (int i = 0; i < n; ++i) {
     const double a = 2 * std::numbers::pi * i / n, h = a / 2;
     for (const double s : {-0.3, 0.3})
-      strip.points.emplace_back((1 + s * std::cos(h)) * std::cos(a), (1 + s * std::cos(h)) * std::sin(a), s * std::sin(h));
+      strip.points.emplace_back((1 + s * std::cos(h)) * std::cos(a), (1 + s * std::cos(h)) * std::sin(a),
+                                s * std::sin(h));
   }
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t a = 2 * i, b = a + 1;

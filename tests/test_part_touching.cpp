@@ -35,7 +35,9 @@ std::size_t pairs_that_meet(const Soup& soup) {
   vertices_too_many(soup, name);
   std::size_t count = 0;
   const auto names = [&](const Triangle& t) { return Triangle{name[t[0]], name[t[1]], name[t[2]]}; };
-  const auto places = [&](const Triangle& t) { return std::array{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]}; };
+  const auto places = [&](const Triangle& t) {
+    return std::array{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]};
+  };
   for (std::size_t i = 0; i < soup.triangles.size(); ++i)
     for (std::size_t j = i + 1; j < soup.triangles.size(); ++j)
       count += triangles_meet(names(soup.triangles[i]), places(soup.triangles[i]), names(soup.triangles[j]),
@@ -50,10 +52,11 @@ Soup wedges(int count) {
     const double from = 2 * std::numbers::pi * i / count, to = from + std::numbers::pi / count;
     const auto first = static_cast<std::uint32_t>(soup.points.size());
     for (const double z : {0.0, 1.0})
-      for (const Vec3& p : {Vec3(0, 0, z), Vec3(std::cos(from), std::sin(from), z), Vec3(std::cos(to), std::sin(to), z)})
+      for (const Vec3& p :
+           {Vec3(0, 0, z), Vec3(std::cos(from), std::sin(from), z), Vec3(std::cos(to), std::sin(to), z)})
         soup.points.push_back(rounded_to_floats(p + Vec3(3, 5, 7)));
-    for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{3, 4, 5}, Triangle{0, 1, 4}, Triangle{0, 4, 3}, Triangle{1, 2, 5},
-                              Triangle{1, 5, 4}, Triangle{2, 0, 3}, Triangle{2, 3, 5}})
+    for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{3, 4, 5}, Triangle{0, 1, 4}, Triangle{0, 4, 3},
+                              Triangle{1, 2, 5}, Triangle{1, 5, 4}, Triangle{2, 0, 3}, Triangle{2, 3, 5}})
       soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   return soup;
@@ -63,8 +66,8 @@ Soup wedges(int count) {
 
 TEST_CASE("part_touching_vertices: solids that touch in corners and edges come apart, by no more than they may") {
   Context context;
-  std::vector<Soup> cases{joined(cube(Vec3(1, 1, 1)), cube(Vec3(2, 2, 2))), joined(cube(Vec3(1, 1, 1)), cube(Vec3(2, 2, 1))),
-                          wedges(2), wedges(5), wedges(9)};
+  std::vector<Soup> cases{joined(cube(Vec3(1, 1, 1)), cube(Vec3(2, 2, 2))),
+                          joined(cube(Vec3(1, 1, 1)), cube(Vec3(2, 2, 1))), wedges(2), wedges(5), wedges(9)};
   for (std::size_t i = 0; i < cases.size(); ++i) {
     CAPTURE(i);
     Soup soup = cases[i];

@@ -27,7 +27,7 @@ struct MeasuredPart {
 
 // The truth of a virtual measurement stands in for the registration.
 MeasuredPart measured_part(const Shape& shape, std::uint64_t n, SamplingPattern pattern = SamplingPattern::random,
-                  double noise = 0.001) {
+                           double noise = 0.001) {
   Context context;
   MeasurementOptions options;
   options.points = n;

@@ -107,9 +107,9 @@ TEST_CASE("pipeline: options may be joined by =, and a value may be a lone excla
 TEST_CASE("pipeline: a wrong command line names step, key, value and what is allowed") {
   CHECK(tokens_message({}).empty());
   CHECK(names(tokens_message({"nudge", "--by", "11"}),
-                 "step 1 (nudge): option by = 11 is not allowed; allowed: a number from -10 to 10 (mm)"));
+              "step 1 (nudge): option by = 11 is not allowed; allowed: a number from -10 to 10 (mm)"));
   CHECK(names(tokens_message({"compact", "!", "nudge", "--bye", "1"}),
-                 "step 2 (nudge): unknown option bye; allowed: by, times"));
+              "step 2 (nudge): unknown option bye; allowed: by, times"));
   CHECK(names(tokens_message({"nudge", "--by"}), "by has no value"));
   CHECK(names(tokens_message({"nudge", "--by", "1", "--by=2"}), "given twice"));
   CHECK(names(tokens_message({"nudge", "--twice", "--no-twice"}), "given twice"));
@@ -130,8 +130,7 @@ TEST_CASE("pipeline: wrong JSON is refused with its place") {
   CHECK(names(json_message(R"({"version":1})"), "steps"));
   CHECK(names(json_message(R"({"version":1,"steps":[],"name":"x"})"), "unknown key name"));
   CHECK(names(json_message(R"({"version":1,"steps":[{"by":1}]})"), "step 1"));
-  CHECK(names(json_message(R"({"version":1,"steps":[{"op":"nudge","by":"1"}]})"),
-                 "step 1 (nudge): option by = \"1\""));
+  CHECK(names(json_message(R"({"version":1,"steps":[{"op":"nudge","by":"1"}]})"), "step 1 (nudge): option by = \"1\""));
   CHECK(names(json_message(R"({"version":1,"steps":[{"op":"nudge","by":1,"by":2}]})"), "key by is there twice"));
   CHECK(json_message(R"({"version":1,"steps":[]})").empty());
 }

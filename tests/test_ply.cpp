@@ -172,8 +172,11 @@ TEST_CASE("ply: every bad header is refused with its line") {
 }
 
 TEST_CASE("ply: a line of text in the header that is none of PLY is skipped and said") {
-  const auto with = [](std::string text, const std::string& line) { return text.insert(text.find("element vertex"), line + "\n"); };
-  for (const char* line : {"Created by Blender3D 247 - www.blender.org, source file: ", "made on 3 May 2009", "\tComment", "Erzeugt f\xc3\xbcr Dich"}) {
+  const auto with = [](std::string text, const std::string& line) {
+    return text.insert(text.find("element vertex"), line + "\n");
+  };
+  for (const char* line : {"Created by Blender3D 247 - www.blender.org, source file: ", "made on 3 May 2009",
+                           "\tComment", "Erzeugt f\xc3\xbcr Dich"}) {
     CAPTURE(line);
     for (const std::string& text : {ascii_ply, binary_triangle()}) {
       MeshFileInfo info;
@@ -191,8 +194,9 @@ TEST_CASE("ply: a line of text in the header that is none of PLY is skipped and 
 
 TEST_CASE("ply: a line of the header that may be a damaged one is refused") {
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
-  for (const std::string line : {"elment vertex 1", "Element vertex 1", "elephant vertex 1", "propery short a", "xx uchar red",
-                                 "p list uchar int vertex_indices", "comm\x01nt", "Created\x7f by", "formt ascii 1.0", "end_headr"}) {
+  for (const std::string line :
+       {"elment vertex 1", "Element vertex 1", "elephant vertex 1", "propery short a", "xx uchar red",
+        "p list uchar int vertex_indices", "comm\x01nt", "Created\x7f by", "formt ascii 1.0", "end_headr"}) {
     CAPTURE(line);
     const std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n" + xyz + line + "\nend_header\n0 0 0\n";
     CHECK(refused(text, "a.ply").position() == 7);

@@ -46,7 +46,7 @@ TEST_CASE("summarize: spacings are those of brute force, for a uniform and a clu
     }
     std::sort(nearest.begin(), nearest.end());
     const PointSummary s = summarize(points);
-    CHECK(s.spacing_5 == nearest[44]);   // 0.05 * 899
+    CHECK(s.spacing_5 == nearest[44]);  // 0.05 * 899
     CHECK(s.spacing_median == nearest[449]);
     CHECK(s.spacing_95 == nearest[854]);
   }

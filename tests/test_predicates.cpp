@@ -122,7 +122,8 @@ TEST_CASE("orientation in space: one unit in the last place off a plane decides,
       };
       const Vec3 a = place(), b = place(), c = place(), d = place();
       CHECK(tri::orientation_exact(a, b, c, d) == 0);
-      const double turn = (b[0] - a[0]) / scale * ((c[1] - a[1]) / scale) - (b[1] - a[1]) / scale * ((c[0] - a[0]) / scale);
+      const double turn =
+          (b[0] - a[0]) / scale * ((c[1] - a[1]) / scale) - (b[1] - a[1]) / scale * ((c[0] - a[0]) / scale);
       const int up = turn > 0 ? 1 : turn < 0 ? -1 : 0;
       Vec3 lower = d, higher = d;
       lower[2] = std::nextafter(d[2], -std::numeric_limits<double>::infinity());

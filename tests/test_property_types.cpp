@@ -1,5 +1,3 @@
-#include "meshops/mesh.hpp"
-
 #include <doctest/doctest.h>
 
 #include <Eigen/Core>
@@ -9,10 +7,12 @@
 #include <vector>
 
 #include "meshops/editing/property_types.hpp"
+#include "meshops/mesh.hpp"
 
 using namespace tri;
 
-TEST_CASE_TEMPLATE("PropertyType: many values are set and swapped as each of them is", T, bool, int, Vec3, std::string) {
+TEST_CASE_TEMPLATE("PropertyType: many values are set and swapped as each of them is", T, bool, int, Vec3,
+                   std::string) {
   constexpr int size = 40;
   const auto value = [](int i) {
     if constexpr (std::is_same_v<T, Vec3>)
@@ -50,8 +50,8 @@ TEST_CASE_TEMPLATE("PropertyType: many values are set and swapped as each of the
   CHECK(same(singly, at_first));
 }
 
-TEST_CASE_TEMPLATE("PropertyType: another property of the type is a place too, and values are hashed alike in any", T, int, float,
-                   OpenMesh::VectorT<float, 2>, Vec3, Eigen::Vector4d, std::string) {
+TEST_CASE_TEMPLATE("PropertyType: another property of the type is a place too, and values are hashed alike in any", T,
+                   int, float, OpenMesh::VectorT<float, 2>, Vec3, Eigen::Vector4d, std::string) {
   constexpr int size = 6;
   const auto value = [](int i) {
     if constexpr (std::is_same_v<T, std::string>) {
@@ -60,12 +60,14 @@ TEST_CASE_TEMPLATE("PropertyType: another property of the type is a place too, a
       return static_cast<T>(i);
     } else {
       T v;
-      for (int k = 0; k < static_cast<int>(v.size()); ++k) v[k] = static_cast<std::remove_cvref_t<decltype(v[0])>>(10 * i + k);
+      for (int k = 0; k < static_cast<int>(v.size()); ++k)
+        v[k] = static_cast<std::remove_cvref_t<decltype(v[0])>>(10 * i + k);
       return v;
     }
   };
   OpenMesh::PropertyT<T> property, other;
-  for (int i = 0; i < size; ++i) property.push_back(), property[i] = value(i), other.push_back(), other[i] = value(size + i);
+  for (int i = 0; i < size; ++i)
+    property.push_back(), property[i] = value(i), other.push_back(), other[i] = value(size + i);
   const PropertyType* type = PropertyTypes::standard().find(property);
   REQUIRE(type);
   const auto place = type->make();

@@ -256,7 +256,9 @@ TEST_CASE("remesh: sheets that cross do so in more pairs where they get finer, a
     mesh.add_face(v[0], v[2], v[3]);
   }
   Soup soup = to_soup(view_of(mesh));
-  const auto pairs = [&] { return self_intersections(soup.points, soup.triangles, Context(), Neighbors::judge).size(); };
+  const auto pairs = [&] {
+    return self_intersections(soup.points, soup.triangles, Context(), Neighbors::judge).size();
+  };
   const std::size_t before = pairs();
   REQUIRE(before > 0);
   const Report report = run_remesh(mesh, {.length = 0.4});
@@ -268,8 +270,8 @@ TEST_CASE("remesh: sheets that cross do so in more pairs where they get finer, a
   REQUIRE(note != report.notes.end());
   unsigned long now = 0, then = 0;
   double x = 0, y = 0, z = 0;
-  REQUIRE(std::sscanf(note->c_str(), "%lu pairs of triangles cross, %lu did before; one at (%lf, %lf, %lf)", &now, &then,
-                      &x, &y, &z) == 5);
+  REQUIRE(std::sscanf(note->c_str(), "%lu pairs of triangles cross, %lu did before; one at (%lf, %lf, %lf)", &now,
+                      &then, &x, &y, &z) == 5);
   CHECK(now == after);
   CHECK(then == before);
   CHECK(x > 0.5);
@@ -303,7 +305,8 @@ TEST_CASE("remesh: small round holes, slots and corners stay, however long the e
     for (const EdgeHandle e : mesh.edges()) {
       if (!mesh.is_boundary(e)) continue;
       const HalfedgeHandle h = mesh.halfedge_handle(e, 0);
-      const Vec3 q = closest_on_segment(mesh.point(mesh.from_vertex_handle(h)), mesh.point(mesh.to_vertex_handle(h)), p);
+      const Vec3 q =
+          closest_on_segment(mesh.point(mesh.from_vertex_handle(h)), mesh.point(mesh.to_vertex_handle(h)), p);
       least = std::min(least, (p - q).norm());
     }
     CHECK(least <= 2 * limit);

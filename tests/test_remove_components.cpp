@@ -10,7 +10,9 @@ using namespace tri::test;
 namespace {
 
 /// Areas 6, 24, 9 (open) and 1.5; volumes 1, 8, none, 0.125.
-Soup parts() { return with_attributes(joined(joined(joined(cube(), cube({5, 0, 0}, 2)), sheet(3, 3)), cube({20, 0, 0}, 0.5))); }
+Soup parts() {
+  return with_attributes(joined(joined(joined(cube(), cube({5, 0, 0}, 2)), sheet(3, 3)), cube({20, 0, 0}, 0.5)));
+}
 
 std::vector<double> kept(const RemoveComponentsOptions& options) {
   Soup soup = parts();

@@ -152,17 +152,20 @@ TEST_CASE("remove_degenerate: what no move can remove is counted, not forced") {
   soup.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   soup.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   const Report report = run_remove_degenerate(soup);
-  const std::uint64_t left = report.skipped.contains("no move that does no harm") ? report.skipped.at("no move that does no harm") : 0;
+  const std::uint64_t left =
+      report.skipped.contains("no move that does no harm") ? report.skipped.at("no move that does no harm") : 0;
   CHECK(left == soup.triangles.size());
 }
 
 TEST_CASE("remove_degenerate: a deviation that is not allowed is not made") {
   Soup soup = sphere(8, 4);
-  for (int i = 1; i <= 8; i += 2) soup.points[static_cast<std::size_t>(i)] = soup.points[static_cast<std::size_t>(i + 1)] + Vec3(1e-5, 2e-5, 1e-5);
+  for (int i = 1; i <= 8; i += 2)
+    soup.points[static_cast<std::size_t>(i)] = soup.points[static_cast<std::size_t>(i + 1)] + Vec3(1e-5, 2e-5, 1e-5);
   Soup strict = soup;
   const std::size_t triangles = soup.triangles.size();
   CHECK(run_remove_degenerate(soup, {.shortest_edge = 1e-4}).skipped.empty());
   CHECK(soup.triangles.size() == triangles - 8);
   CHECK(summarize(soup).closed);
-  CHECK(run_remove_degenerate(strict, {.shortest_edge = 1e-4, .max_deviation = 1e-9}).skipped.at("no move that does no harm") == 8);
+  CHECK(run_remove_degenerate(strict, {.shortest_edge = 1e-4, .max_deviation = 1e-9})
+            .skipped.at("no move that does no harm") == 8);
 }

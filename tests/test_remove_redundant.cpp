@@ -69,9 +69,8 @@ TEST_CASE("remove_redundant: two patches joined by long triangles come apart, at
     PatchShape s;
     s.nu = 21;
     s.nv = 8;
-    s.point = [=](int i, int j) {
-      return Vec3(i < 11 ? i : i + 8, j, 0) * scale;
-    };  // the cells of column 10 are 9 long
+    s.point = [=](int i, int j) { return Vec3(i < 11 ? i : i + 8, j, 0) * scale; };  // the cells of column 10 are 9
+                                                                                     // long
     Mesh mesh = s.mesh();
     Context context;
     const Report report = remove_redundant(view_of(mesh), {}, context);
@@ -89,9 +88,8 @@ TEST_CASE("remove_redundant: an absolute length takes the place of the factor") 
   PatchShape s;
   s.nu = 10;
   s.nv = 5;
-  s.point = [](int i, int j) {
-    return Vec3(i < 6 ? i : i + 1, j, 0);
-  };  // one column of cells is 2 long: diagonal sqrt 5
+  s.point = [](int i, int j) { return Vec3(i < 6 ? i : i + 1, j, 0); };  // one column of cells is 2 long: diagonal sqrt
+                                                                         // 5
   RemoveRedundantOptions options = nothing();
   Context context;
   for (const double limit : {2.3, 2.1, 1.9}) {
@@ -243,9 +241,9 @@ TEST_CASE("remove_redundant: of two fans at a vertex the larger stays") {
   Mesh mesh = grid(4, 1);
   PlanarReference reference;
   reference.mesh = &mesh;
-  reference.normal_at = [](const Vec3& c) {
-    return Vec3(0, 0, c[0] > 2.5 && c[0] < 2.8 ? -1 : 1);
-  };  // face (2 0, 3 0, 3 1)... of cell 2
+  reference.normal_at = [](const Vec3& c) { return Vec3(0, 0, c[0] > 2.5 && c[0] < 2.8 ? -1 : 1); };  // face (2 0, 3 0,
+                                                                                                      // 3 1)... of cell
+                                                                                                      // 2
   RemoveRedundantOptions options = nothing();
   options.reference = &reference;
   options.max_angle = pi / 2;

@@ -1,5 +1,6 @@
-// Crossing triangles are cut, or cut out and the holes filled: checked by comparing every pair, by areas, which cutting does not
-// change, by the Euler characteristic and the rim, which neither changes, and by distances of samples to every triangle.
+// Crossing triangles are cut, or cut out and the holes filled: checked by comparing every pair, by areas, which cutting
+// does not change, by the Euler characteristic and the rim, which neither changes, and by distances of samples to every
+// triangle.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,7 +21,9 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-Corners corners_of(const Soup& soup, const Triangle& t) { return {soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]}; }
+Corners corners_of(const Soup& soup, const Triangle& t) {
+  return {soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]};
+}
 
 /// The triangles with points in one place named as one.
 std::vector<Triangle> by_place(const Soup& soup) {
@@ -92,7 +95,9 @@ Soup folded_sheet(int n, double waves) {
 /// Pairs of triangles without a corner's place in common that meet.
 std::size_t crossings(const Soup& soup) {
   std::size_t count = 0;
-  const auto corners = [&](const Triangle& t) { return std::array{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]}; };
+  const auto corners = [&](const Triangle& t) {
+    return std::array{soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]};
+  };
   for (std::size_t i = 0; i < soup.triangles.size(); ++i)
     for (std::size_t j = i + 1; j < soup.triangles.size(); ++j) {
       const auto a = corners(soup.triangles[i]), b = corners(soup.triangles[j]);
@@ -191,7 +196,8 @@ TEST_CASE("remove-self-intersections: a fold is cut out and filled; rim, Euler c
     // The scalars "x" are the coordinate, at vertices and at corners.
     REQUIRE(soup.corner_scalars.at("x").size() == 3 * soup.triangles.size());
     for (std::size_t t = 0; t < soup.triangles.size(); ++t)
-      for (std::size_t k = 0; k < 3; ++k) CHECK(soup.corner_scalars["x"][3 * t + k] == soup.points[soup.triangles[t][k]][0]);
+      for (std::size_t k = 0; k < 3; ++k)
+        CHECK(soup.corner_scalars["x"][3 * t + k] == soup.points[soup.triangles[t][k]][0]);
     for (std::size_t i = 0; i < soup.points.size(); ++i) CHECK(soup.vertex_scalars["x"][i] == soup.points[i][0]);
     // Triangles far from the fold are as they were.
     CHECK(soup.triangles[0] == before.triangles[0]);
@@ -209,7 +215,8 @@ TEST_CASE("remove-self-intersections: a solid with folds stays closed, with the 
   }
   const Soup before = soup;
   REQUIRE(all_crossings(before) > 0);
-  const Report report = remove_self_intersections(soup, {.method = CrossingMethod::refill, .max_deviation = 0.02}, context);
+  const Report report =
+      remove_self_intersections(soup, {.method = CrossingMethod::refill, .max_deviation = 0.02}, context);
   CHECK(report.skipped.empty());
   CHECK(report.figures.at("places refilled") == 3);
   CHECK(all_crossings(soup) == 0);
@@ -297,7 +304,8 @@ TEST_CASE("remove-self-intersections: noise that folds a sheet everywhere never 
     for (Vec3& p : soup.points) p += Vec3(real(), real(), 0.1 * real()) * (0.5 + 0.06 * run);
     if (run % 3 == 1) soup = exploded(soup);
     const Soup before = soup;
-    const Report report = remove_self_intersections(soup, {.method = CrossingMethod::refill, .max_deviation = 0.02}, context);
+    const Report report =
+        remove_self_intersections(soup, {.method = CrossingMethod::refill, .max_deviation = 0.02}, context);
     const std::size_t crossing = crossings(before), left = crossings(soup);
     before_in_all += crossing;
     after_in_all += left;

@@ -234,7 +234,8 @@ TEST_CASE("render: refuses what cannot be drawn, and names the reason") {
   options.by = "deviaton";
   Soup soup = square_soup();
   soup.vertex_scalars["deviation"] = {0, 0, 0, 0, 0};
-  CHECK_THROWS_WITH_AS(render(soup, options, context), "no scalar is named \"deviaton\"; there are deviation", InvalidInput);
+  CHECK_THROWS_WITH_AS(render(soup, options, context), "no scalar is named \"deviaton\"; there are deviation",
+                       InvalidInput);
   options.by = "";
   options.view = {0, 0, 0};
   CHECK_THROWS_AS(render(soup, options, context), InvalidInput);

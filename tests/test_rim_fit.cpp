@@ -53,8 +53,8 @@ RimFit settled(const RimmedPart& part, const std::vector<Vec3>& points, const Po
   const auto residuals = target.residuals(points, {}, pose, context);
   std::vector<double> weights;
   for (const PointResidual& r : residuals) weights.push_back(r.on_edge || std::abs(r.value) > 5 * rim_noise ? 0 : 1);
-  return fit_to_rim(rim, target, sample, pose, NormalEquations(residuals, weights), rim_noise, 1e-4 * part.model.diagonal,
-                    context);
+  return fit_to_rim(rim, target, sample, pose, NormalEquations(residuals, weights), rim_noise,
+                    1e-4 * part.model.diagonal, context);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 // Which elements a selection lets an operator change, and that every registered mesh operator keeps to it.
 
-#include "meshops/selection.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "meshops/error.hpp"
 #include "meshops/holes/boundary_loops.hpp"
 #include "meshops/registry.hpp"
+#include "meshops/selection.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
@@ -93,7 +92,8 @@ TEST_CASE("selection: of faces, a vertex may move only if all its faces are sele
 
 TEST_CASE("selection: of vertices, a face may be replaced only if all its corners are selected") {
   const Mesh mesh = grid(3, 3);
-  const std::vector<VertexHandle> vertices{VertexHandle(0), VertexHandle(1), VertexHandle(5), VertexHandle(4), VertexHandle(15)};
+  const std::vector<VertexHandle> vertices{VertexHandle(0), VertexHandle(1), VertexHandle(5), VertexHandle(4),
+                                           VertexHandle(15)};
   const Selection selection = Selection::of_vertices(mesh, vertices);
   const auto chosen = [&](VertexHandle v) { return std::find(vertices.begin(), vertices.end(), v) != vertices.end(); };
   for (const VertexHandle v : mesh.vertices()) CHECK(selection.may_move(v) == chosen(v));
@@ -153,13 +153,14 @@ TEST_CASE("selection: what comes later belongs to it") {
 
 TEST_CASE("selection: handles of another mesh, deleted ones and half-edges with a face are errors") {
   Mesh mesh = grid(2, 2);
-  CHECK_THROWS_WITH_AS(Selection::of_faces(mesh, std::array{FaceHandle(8)}), "selection: face 8 is not of this mesh, which has 8",
-                       InvalidInput);
+  CHECK_THROWS_WITH_AS(Selection::of_faces(mesh, std::array{FaceHandle(8)}),
+                       "selection: face 8 is not of this mesh, which has 8", InvalidInput);
   CHECK_THROWS_AS(Selection::of_faces(mesh, std::array{FaceHandle()}), InvalidInput);
   CHECK_THROWS_AS(Selection::of_vertices(mesh, std::array{VertexHandle(9)}), InvalidInput);
   CHECK_THROWS_AS(Selection::of_loops(mesh, std::array{mesh.halfedge_handle(FaceHandle(0))}), InvalidInput);
   mesh.delete_face(FaceHandle(3), false);
-  CHECK_THROWS_WITH_AS(Selection::of_faces(mesh, std::array{FaceHandle(3)}), "selection: face 3 is deleted", InvalidInput);
+  CHECK_THROWS_WITH_AS(Selection::of_faces(mesh, std::array{FaceHandle(3)}), "selection: face 3 is deleted",
+                       InvalidInput);
   OpenMesh::TriMesh_ArrayKernelT<> bare;
   CHECK_THROWS_AS(Selection::of_status(bare), InvalidInput);
 }

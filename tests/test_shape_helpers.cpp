@@ -24,9 +24,13 @@ using namespace tri::test;
 namespace {
 
 /// Kuhn's edge length for a chord that stands off a circle of curvature k by e, as the header has it.
-double length_for(double k, double e) { return std::sqrt(6 * e / k - 3 * e * e); }
+double length_for(double k, double e) {
+  return std::sqrt(6 * e / k - 3 * e * e);
+}
 
-EdgeLines lines_of(Mesh& mesh) { return EdgeLines(view_of(mesh), {}, Context()); }
+EdgeLines lines_of(Mesh& mesh) {
+  return EdgeLines(view_of(mesh), {}, Context());
+}
 
 PatchShape sphere_belt(int around, int along, double r) {
   PatchShape belt;
@@ -58,9 +62,12 @@ TEST_CASE("edge_lines: rims and creases of a bent strip, with its corners") {
     for (int i = 0; i <= 6; ++i) {
       const bool rim_i = i == 0 || i == 6, rim_j = j == 0 || j == 8, fold = j == 4;
       const auto kind = lines.kinds()[static_cast<std::size_t>(bent.vertex(i, j).idx())];
-      if (rim_i && (rim_j || fold)) CHECK(kind == EdgeLines::Kind::fixed);
-      else if (rim_i || rim_j || fold) CHECK(kind == EdgeLines::Kind::along);
-      else CHECK(kind == EdgeLines::Kind::free);
+      if (rim_i && (rim_j || fold))
+        CHECK(kind == EdgeLines::Kind::fixed);
+      else if (rim_i || rim_j || fold)
+        CHECK(kind == EdgeLines::Kind::along);
+      else
+        CHECK(kind == EdgeLines::Kind::free);
     }
 }
 
@@ -147,14 +154,13 @@ TEST_CASE("mesh_before: counts what was moved, made and deleted since") {
   CHECK_FALSE(before.was_there(added));
 }
 
-TEST_CASE("collapse_stars: keeps the topology where the collapse leaves a valid mesh with the same Euler characteristic") {
+TEST_CASE(
+    "collapse_stars: keeps the topology where the collapse leaves a valid mesh with the same Euler characteristic") {
   // A closed strip of three cells around: every edge around is one of a triangle that bounds no face.
   for (const int around : {3, 4, 6}) {
     PatchShape shape;
     shape.nu = around, shape.nv = 3, shape.closed_u = true;
-    shape.point = [=](int i, int j) {
-      return Vec3(std::cos(2 * pi * i / around), std::sin(2 * pi * i / around), j);
-    };
+    shape.point = [=](int i, int j) { return Vec3(std::cos(2 * pi * i / around), std::sin(2 * pi * i / around), j); };
     Mesh mesh = shape.mesh();
     CollapseStars stars(mesh);
     int kept = 0, refused = 0;
@@ -267,10 +273,12 @@ TEST_CASE("survey_surface: angles, and distances at corners, middles of edges an
   const auto one_triangle = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     Mesh mesh;
     mesh.add_face(mesh.add_vertex(a), mesh.add_vertex(b), mesh.add_vertex(c));
-    mesh.request_face_status(), mesh.request_edge_status(), mesh.request_vertex_status(), mesh.request_halfedge_status();
+    mesh.request_face_status(), mesh.request_edge_status(), mesh.request_vertex_status(),
+        mesh.request_halfedge_status();
     return mesh;
   };
-  // A roof with slopes of 45 degrees and its ridge at x = 1: what is at height 0 under x is min(x, 2 - x) / sqrt 2 off it.
+  // A roof with slopes of 45 degrees and its ridge at x = 1: what is at height 0 under x is min(x, 2 - x) / sqrt 2 off
+  // it.
   const std::vector<Vec3> roof{{0, -9, 0}, {1, -9, 1}, {1, 9, 1}, {0, 9, 0}, {2, -9, 0}, {2, 9, 0}};
   const std::vector<Triangle> slopes{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
   const double root = std::sqrt(2.0);
@@ -284,7 +292,8 @@ TEST_CASE("survey_surface: angles, and distances at corners, middles of edges an
   // A pit under its middle, which the corners and the middles of the edges do not see.
   const double h = 0.01;
   const Vec3 middle(1, 1, 0);
-  const std::vector<Vec3> pit{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {1.5, 0, 0}, {1.5, 1.5, 0}, {0, 1.5, 0}, middle - Vec3(0, 0, h)};
+  const std::vector<Vec3> pit{
+      {0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {1.5, 0, 0}, {1.5, 1.5, 0}, {0, 1.5, 0}, middle - Vec3(0, 0, h)};
   const std::vector<Triangle> walls{{0, 3, 6}, {3, 1, 6}, {1, 4, 6}, {4, 2, 6}, {2, 5, 6}, {5, 0, 6}};
   Mesh over_pit = one_triangle(pit[0], pit[1], pit[2]);
   double nearest = h;

@@ -26,7 +26,8 @@ TEST_CASE("find_shells: volume, area and closedness of boxes with closed forms")
 }
 
 TEST_CASE("find_depths: how many shells are around one, and how often they wind round it") {
-  const Soup soup = joined(joined(cube({0, 0, 0}, 9), turned_around(cube({1, 1, 1}, 7))), joined(cube({2, 2, 2}, 4), turned_around(cube({3, 3, 3}, 1))));
+  const Soup soup = joined(joined(cube({0, 0, 0}, 9), turned_around(cube({1, 1, 1}, 7))),
+                           joined(cube({2, 2, 2}, 4), turned_around(cube({3, 3, 3}, 1))));
   Context context;
   Shells s = find_shells(soup, context);
   find_depths(soup, s, context);
@@ -49,7 +50,7 @@ TEST_CASE("InsideTest: points of a fine grid against a box, faces, edges and cor
       for (int z = -1; z <= 5; ++z) {
         const Vec3 p(x * 0.5, y * 0.5, z * 0.5);
         const int low = std::min({x, y, z}), high = std::max({x, y, z});
-        const auto expected = low < 0 || high > 4    ? InsideTest::Where::outside
+        const auto expected = low < 0 || high > 4     ? InsideTest::Where::outside
                               : low == 0 || high == 4 ? InsideTest::Where::on
                                                       : InsideTest::Where::inside;
         CHECK(test.locate(p) == expected);

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
-#include <atomic>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -341,7 +341,8 @@ TEST_CASE("smooth: no NaN on triangles without area, and nothing leaves the hull
     for (const double strength : {0.01, 0.65, 100.0}) {
       if (strength > 1 && method != SmoothMethod::cotangent) continue;
       Mesh moved = mesh;
-      run_smooth(moved,
+      run_smooth(
+          moved,
           {.method = method, .iterations = 30, .strength = strength, .feature_angle = pi, .boundary = LineRule::along});
       for (const VertexHandle v : moved.vertices())
         for (int k = 0; k < 3; ++k) {

@@ -46,8 +46,9 @@ TEST_CASE("is_clean_solid: cubes that touch in a corner are apart with indices a
 
 TEST_CASE("surface_contacts: names triangles without area and pairs that meet") {
   Context context;
-  const std::vector<Vec3> points{Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), Vec3(0.5, 0.5, -1), Vec3(0.5, 0.5, 1),
-                                 Vec3(0.6, 0.7, 1), Vec3(0.1, 0.2, 9), Vec3(0.2, 0.4, 9), Vec3(0.3, 0.6, 9)};
+  const std::vector<Vec3> points{Vec3(0, 0, 0),      Vec3(2, 0, 0),     Vec3(0, 2, 0),
+                                 Vec3(0.5, 0.5, -1), Vec3(0.5, 0.5, 1), Vec3(0.6, 0.7, 1),
+                                 Vec3(0.1, 0.2, 9),  Vec3(0.2, 0.4, 9), Vec3(0.3, 0.6, 9)};
   const std::vector<Triangle> triangles{{0, 1, 2}, {3, 4, 5}, {6, 7, 6}};
   const SurfaceContacts contacts = surface_contacts(points, triangles, context);
   CHECK(contacts.flat == std::vector<std::uint32_t>{2});

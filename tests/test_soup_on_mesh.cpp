@@ -1,5 +1,3 @@
-#include "meshops/soup_on_mesh.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "meshops/pipeline.hpp"
 #include "meshops/registry.hpp"
 #include "meshops/soup_edit.hpp"
+#include "meshops/soup_on_mesh.hpp"
 #include "test_shapes.hpp"
 
 using namespace tri;
@@ -135,8 +134,7 @@ TEST_CASE("run_on_mesh: every operator on soups runs on a mesh, and is undone bi
     mesh.point(VertexHandle(5)) = mesh.point(VertexHandle(6));  // something for remove-degenerate
     const Snapshot before = snapshot(view_of(mesh));
     Context context;
-    ChangeSet change =
-        record(mesh, [&](MeshView view) { return op->run(view, op->schema().make().get(), context); });
+    ChangeSet change = record(mesh, [&](MeshView view) { return op->run(view, op->schema().make().get(), context); });
     CHECK(mesh_problems(mesh).empty());
     const Snapshot after = snapshot(view_of(mesh));
     if (!change.empty()) {

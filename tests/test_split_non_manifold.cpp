@@ -95,8 +95,9 @@ TEST_CASE("split_non_manifold: crossing sheets do not cross any more, and none i
     // Half planes beside each other belong together, not those across.
     for (std::size_t i = 0; i < 2; ++i)
       for (const std::uint32_t v : {0u, 1u}) {
-        const bool with_opposite = std::ranges::count(soup.triangles[i], v) == std::ranges::count(soup.triangles[i + 2], v) &&
-                                   std::ranges::count(soup.triangles[i], v) == 1;
+        const bool with_opposite =
+            std::ranges::count(soup.triangles[i], v) == std::ranges::count(soup.triangles[i + 2], v) &&
+            std::ranges::count(soup.triangles[i], v) == 1;
         CHECK_FALSE(with_opposite);
       }
   }
@@ -120,9 +121,11 @@ TEST_CASE("split_non_manifold: nothing moves, and copies have the attributes of 
   run_split(soup);
   REQUIRE(soup.triangles.size() == before.triangles.size());
   for (std::size_t i = 0; i < soup.triangles.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) CHECK(soup.points[soup.triangles[i][k]] == before.points[before.triangles[i][k]]);
+    for (std::size_t k = 0; k < 3; ++k)
+      CHECK(soup.points[soup.triangles[i][k]] == before.points[before.triangles[i][k]]);
   for (std::size_t v = before.points.size(); v < soup.points.size(); ++v) {
-    const auto source = static_cast<std::size_t>(std::ranges::find(before.points, soup.points[v]) - before.points.begin());
+    const auto source =
+        static_cast<std::size_t>(std::ranges::find(before.points, soup.points[v]) - before.points.begin());
     CHECK(soup.vertex_colors[v] == before.vertex_colors[source]);
   }
   CHECK(soup.corner_scalars == before.corner_scalars);

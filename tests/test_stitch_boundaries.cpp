@@ -81,7 +81,8 @@ TEST_CASE("stitch_boundaries: a ragged crack in a closed surface heals") {
 
 TEST_CASE("stitch_boundaries: edges whose triangles run the same way, or sheets face to face, stay apart") {
   Soup soup = halves(3, 0);
-  for (std::size_t i = soup.triangles.size() / 2; i < soup.triangles.size(); ++i) std::swap(soup.triangles[i][0], soup.triangles[i][1]);
+  for (std::size_t i = soup.triangles.size() / 2; i < soup.triangles.size(); ++i)
+    std::swap(soup.triangles[i][0], soup.triangles[i][1]);
   Soup before = soup;
   const Report report = run_stitch(soup);
   CHECK(same_soup(soup, before));

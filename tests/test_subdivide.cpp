@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
-#include <atomic>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -56,7 +56,8 @@ Mesh plain_box() {
 
 TEST_CASE("subdivide: makes four faces of one and a vertex on each edge; topology stays, closed stays closed") {
   for (const SubdivisionScheme scheme : schemes)
-    for (const Mesh& input : {icosahedron(), tetrahedron_mesh(), grid(4, 3), tube(7, 3, 1, 0, 2).mesh(), two_components()}) {
+    for (const Mesh& input :
+         {icosahedron(), tetrahedron_mesh(), grid(4, 3), tube(7, 3, 1, 0, 2).mesh(), two_components()}) {
       Mesh mesh = input;
       const int loops = boundary_loops(mesh), euler = euler_characteristic(mesh);
       for (const int levels : {1, 2}) {
@@ -387,7 +388,7 @@ TEST_CASE("subdivide: each guard keeps back what it is for") {
         triangles.push_back({a, a + 1, a + 4});
         triangles.push_back({a, a + 4, a + 3});
       }
-        Mesh mesh = make_mesh(points, triangles);
+    Mesh mesh = make_mesh(points, triangles);
     const Report report = run_subdivide(mesh, {.guard = guard, .feature_angle = pi});
     const Soup out = to_soup(view_of(mesh));
     return std::pair(report.skipped.empty(), crossing_pairs(out.points, out.triangles, Context()).empty());

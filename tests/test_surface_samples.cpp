@@ -70,7 +70,8 @@ TEST_CASE("SampleField: what a cell names is nearly the nearest sample") {
     const SampleField::Sample& s = field.near(relative);
     const Vec3 found = Vec3(s.point[0], s.point[1], s.point[2]) + field.centre();
     tree.nearest(p, 1, near);
-    // From the centre of the cell to the point it is at most half a diagonal of the cell, twice; the spread adds little.
+    // From the centre of the cell to the point it is at most half a diagonal of the cell, twice; the spread adds
+    // little.
     CHECK((found - p).norm() <= std::sqrt(near[0].squared_distance) + 2 * field.cell());
   }
 }

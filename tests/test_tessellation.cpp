@@ -180,8 +180,9 @@ TEST_CASE("tessellate: the volume enclosed is positive, so the triangles face ou
 
 TEST_CASE("tessellate: solids that touch stay apart") {
   const TopoDS_Shape box = BRepPrimAPI_MakeBox(10, 10, 10).Shape();
-  for (const auto& shift : {Vec3(10, 0, 0), Vec3(10, 10, 0), Vec3(10, 10, 10),
-                            Vec3(10, 3, 4)}) {  // a face, an edge, a corner, part of a face
+  for (const auto& shift : {Vec3(10, 0, 0), Vec3(10, 10, 0), Vec3(10, 10, 10), Vec3(10, 3, 4)}) {  // a face, an edge, a
+                                                                                                   // corner, part of a
+                                                                                                   // face
     CAPTURE(shift);
     BRep_Builder builder;
     TopoDS_Compound both;

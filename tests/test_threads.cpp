@@ -99,7 +99,8 @@ TEST_CASE("threads: meshes are recorded, undone and done again at the same time"
       Context context;
       context.threads = 2;
       ChangeSet change = record(
-          view_of(mesh), [&](MeshView view) { return op.run(view, options.get(), context); }, Recording::undoable, &context);
+          view_of(mesh), [&](MeshView view) { return op.run(view, options.get(), context); }, Recording::undoable,
+          &context);
       const Snapshot after = snapshot(view_of(mesh));
       change.undo(mesh);
       different += snapshot(view_of(mesh)) != before;
@@ -178,7 +179,10 @@ TEST_CASE("threads: a cancel from another thread leaves a valid mesh, and under 
 
 TEST_CASE("threads: pipelines of one registry run at the same time") {
   Pipeline pipeline;
-  pipeline.add("fill-holes", {{"max-edges", 50}}).add("smooth", {{"iterations", 2}}).add("flip-diagonals").add("compact");
+  pipeline.add("fill-holes", {{"max-edges", 50}})
+      .add("smooth", {{"iterations", 2}})
+      .add("flip-diagonals")
+      .add("compact");
   std::vector<Snapshot> results(at_once);
   on_threads([&](std::size_t thread) {
     Mesh mesh = work_piece();

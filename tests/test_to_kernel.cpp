@@ -1,11 +1,10 @@
-#include "meshops/to_kernel.hpp"
-
 #include <doctest/doctest.h>
 
 #include <vector>
 
 #include "mesh_check.hpp"
 #include "meshops/build_mesh.hpp"
+#include "meshops/to_kernel.hpp"
 #include "meshops/to_soup.hpp"
 
 using namespace tri;
@@ -31,9 +30,11 @@ Soup rich_soup() {
     soup.vertex_normals.push_back({0, 0.6, 0.8});
     soup.vertex_scalars["height"].push_back(static_cast<double>(i) / 3);
   }
-  for (std::size_t i = 0; i < soup.triangles.size(); ++i) soup.face_scalars["group"].push_back(static_cast<double>(i % 2));
+  for (std::size_t i = 0; i < soup.triangles.size(); ++i)
+    soup.face_scalars["group"].push_back(static_cast<double>(i % 2));
   soup.face_labels["group"] = {"lid", "base"};
-  for (std::size_t i = 0; i < 3 * soup.triangles.size(); ++i) soup.corner_scalars["s"].push_back(static_cast<double>(i));
+  for (std::size_t i = 0; i < 3 * soup.triangles.size(); ++i)
+    soup.corner_scalars["s"].push_back(static_cast<double>(i));
   return soup;
 }
 

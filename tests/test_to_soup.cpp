@@ -1,15 +1,13 @@
 #include <doctest/doctest.h>
 
-#include "meshops/to_soup.hpp"
-
 #include <OpenMesh/Core/Geometry/EigenVectorT.hh>
-
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "meshops/build_mesh.hpp"
+#include "meshops/to_soup.hpp"
 
 using namespace tri;
 
@@ -77,7 +75,8 @@ TEST_CASE("to_soup: vectors become a scalar for each of their numbers") {
   mesh.request_vertex_texcoords2D();
   for (const VertexHandle v : mesh.all_vertices()) mesh.set_texcoord2D(v, {static_cast<float>(v.idx()), 0.5f});
   mesh.request_halfedge_texcoords2D();
-  for (const HalfedgeHandle h : mesh.all_halfedges()) mesh.set_texcoord2D(h, {static_cast<float>(mesh.to_vertex_handle(h).idx()), 0.25f});
+  for (const HalfedgeHandle h : mesh.all_halfedges())
+    mesh.set_texcoord2D(h, {static_cast<float>(mesh.to_vertex_handle(h).idx()), 0.25f});
   const Soup soup = to_soup(view_of(mesh));
   CHECK(soup.vertex_scalars.at("force_0") == Values{0, 1, 3, 4});
   CHECK(soup.vertex_scalars.at("force_2") == Values{0, 100, 300, 400});
@@ -98,7 +97,8 @@ TEST_CASE("to_soup: vectors become a scalar for each of their numbers") {
 TEST_CASE("to_soup: colours of any type") {
   SUBCASE("bytes with alpha") {
     Mesh mesh = two_triangles_and_a_deleted_one();
-    add<OpenMesh::Vec4uc>(mesh, "v:colors", [](int i) { return OpenMesh::Vec4uc(static_cast<unsigned char>(i), 20, 30, 128); });
+    add<OpenMesh::Vec4uc>(mesh, "v:colors",
+                          [](int i) { return OpenMesh::Vec4uc(static_cast<unsigned char>(i), 20, 30, 128); });
     const Soup soup = to_soup(view_of(mesh));
     REQUIRE(soup.vertex_colors.size() == 4);
     CHECK(soup.vertex_colors[2] == std::array<std::uint8_t, 3>{3, 20, 30});

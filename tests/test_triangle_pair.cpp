@@ -27,13 +27,13 @@ void check_fans(const Corners& a, const Corners& b, bool expected) {
 
 TEST_CASE("fans_intersect: triangles with a corner in common") {
   const Corners flat{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}};
-  check_fans(flat, {{{0, 0, 0}, {1, 1, 1}, {1, 1, -1}}}, true);     // through its inside
-  check_fans(flat, {{{0, 0, 0}, {3, 3, 1}, {3, 3, -1}}}, true);     // reaches over its far side, which it crosses
+  check_fans(flat, {{{0, 0, 0}, {1, 1, 1}, {1, 1, -1}}}, true);       // through its inside
+  check_fans(flat, {{{0, 0, 0}, {3, 3, 1}, {3, 3, -1}}}, true);       // reaches over its far side, which it crosses
   check_fans(flat, {{{0, 0, 0}, {-1, -1, 1}, {-1, -1, -1}}}, false);  // behind the corner
-  check_fans(flat, {{{0, 0, 0}, {1, 1, 1}, {1, 1, 2}}}, false);     // above
-  check_fans(flat, {{{0, 0, 0}, {1, 1, 0}, {1, 1, 2}}}, true);      // stands on it
-  check_fans(flat, {{{0, 0, 0}, {2, 0, 0}, {1, -1, 2}}}, true);     // along half of a side
-  check_fans(flat, {{{0, 0, 0}, {-2, 0, 0}, {-1, -1, 2}}}, false);  // along the side's other direction
+  check_fans(flat, {{{0, 0, 0}, {1, 1, 1}, {1, 1, 2}}}, false);       // above
+  check_fans(flat, {{{0, 0, 0}, {1, 1, 0}, {1, 1, 2}}}, true);        // stands on it
+  check_fans(flat, {{{0, 0, 0}, {2, 0, 0}, {1, -1, 2}}}, true);       // along half of a side
+  check_fans(flat, {{{0, 0, 0}, {-2, 0, 0}, {-1, -1, 2}}}, false);    // along the side's other direction
   // In one plane: beside, overlapping, inside, around.
   check_fans(flat, {{{0, 0, 0}, {-1, 0, 0}, {0, -1, 0}}}, false);
   check_fans(flat, {{{0, 0, 0}, {-1, 1, 0}, {-2, 1, 0}}}, false);
@@ -85,11 +85,14 @@ TEST_CASE("self_intersections: with neighbours, those that meet in more than the
             a = shared - 1;
             break;
           }
-      const auto at = [&](const Triangle& x) { return Corners{soup.points[x[0]], soup.points[x[1]], soup.points[x[2]]}; };
+      const auto at = [&](const Triangle& x) {
+        return Corners{soup.points[x[0]], soup.points[x[1]], soup.points[x[2]]};
+      };
       const bool meet = shared == 0   ? triangles_intersect(at(t), at(u))
                         : shared == 1 ? fans_intersect(at(t), at(u))
-                        : shared == 2 ? wings_overlap(soup.points[t[0]], soup.points[t[1]], soup.points[t[2]], soup.points[u[2]])
-                                      : true;
+                        : shared == 2
+                            ? wings_overlap(soup.points[t[0]], soup.points[t[1]], soup.points[t[2]], soup.points[u[2]])
+                            : true;
       if (meet) {
         expected_neighbors += shared > 0;
         if (shared == 0) apart.push_back({i, j});

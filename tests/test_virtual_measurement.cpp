@@ -276,8 +276,8 @@ TEST_CASE("measure: the share of outliers is exact; they are 1% to 10% of the di
   const Shape shape = example_part("housing");
   const VirtualMeasurement m = measured_shape(shape, {.points = 5000, .outliers = 0.012});
   const double diagonal = diagonal_of(m.truth);
-  const TopoDS_Shape shell =
-      TopExp_Explorer(occt(shape), TopAbs_SHELL).Current();  // of a solid the inside is at distance 0
+  const TopoDS_Shape shell = TopExp_Explorer(occt(shape), TopAbs_SHELL).Current();  // of a solid the inside is at
+                                                                                    // distance 0
   int outliers = 0;
   for (std::size_t i = 0; i < m.points.size(); ++i) {
     const double moved = (m.points[i] - m.truth[i].point).norm();
@@ -387,7 +387,8 @@ TEST_CASE("measure: scan lines are evenly spaced along and between lines") {
 }
 
 TEST_CASE("measure: a grid is regular in the parameters of each face") {
-  const VirtualMeasurement m = measured_shape(example_part("elbow"), {.points = 5000, .pattern = SamplingPattern::grid});
+  const VirtualMeasurement m =
+      measured_shape(example_part("elbow"), {.points = 5000, .pattern = SamplingPattern::grid});
   std::map<int, std::set<std::pair<double, double>>> places;
   for (const TruePoint& t : m.truth) places[t.face].insert({t.uv[0], t.uv[1]});
   CHECK(places.size() == 5);

@@ -16,13 +16,13 @@ struct FailedEntity {
 
 /// A CAD file as read: its shape, and what it says about itself.
 struct CadFile {
-  Shape shape;         ///< lengths converted to millimetres; faces carry the file's names
-  std::string format;  ///< "IGES", "STEP" or "BREP", told from the content
-  std::string unit;    ///< length unit the file declares ("millimetre", "INCH", "M"); empty for BREP
-  double unit_mm = 1;  ///< millimetres per declared unit; 0 if the name is unknown
-  int faces = 0;       ///< distinct faces of `shape`: the range of face numbers is 1..faces
-  int shells = 0;      ///< in `shape`, those of solids included
-  int solids = 0;      ///< in `shape`
+  Shape shape;                        ///< lengths converted to millimetres; faces carry the file's names
+  std::string format;                 ///< "IGES", "STEP" or "BREP", told from the content
+  std::string unit;                   ///< length unit the file declares ("millimetre", "INCH", "M"); empty for BREP
+  double unit_mm = 1;                 ///< millimetres per declared unit; 0 if the name is unknown
+  int faces = 0;                      ///< distinct faces of `shape`: the range of face numbers is 1..faces
+  int shells = 0;                     ///< in `shape`, those of solids included
+  int solids = 0;                     ///< in `shape`
   std::vector<std::string> products;  ///< names of the products of a STEP file, in file order
   std::vector<FailedEntity> failed;   ///< roots and faces of the file that are not in `shape`
   std::vector<std::string> warnings;  ///< one line each, like ones counted

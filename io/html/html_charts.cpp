@@ -150,8 +150,7 @@ std::string histogram_svg(const Histogram& histogram, const DeviationScale& scal
     const double v = values[i];
     svg += fmt::format(R"(<line x1="{0:.2f}" x2="{0:.2f}" y1="{1:.0f}" y2="{2:.0f}" stroke="{3}"/>)", x_of(v),
                        top + height, top + height + 4, ink);
-    svg += fmt::format(R"(<text x="{:.2f}" y="{:.0f}" class="middle">{}</text>)", x_of(v), top + height + 17,
-                       texts[i]);
+    svg += fmt::format(R"(<text x="{:.2f}" y="{:.0f}" class="middle">{}</text>)", x_of(v), top + height + 17, texts[i]);
   }
   const auto mark = [&](double v, const char* color, const char* dash, const char* text) {
     if (v < histogram.low || v > histogram.high) return;

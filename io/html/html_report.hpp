@@ -55,12 +55,12 @@ struct HtmlReport {
   /// (grey where that is missing or NaN); `vertex_scalars["cad_face"]` says which face a vertex lies on, if it is
   /// there.
   const Soup* scene = nullptr;
-  const Soup* backdrop = nullptr;  ///< drawn in grey behind points; may be null
-  DeviationScale scale;            ///< colours of the scene
-  std::string scale_note;  ///< one sentence: where the ends of the scale come from
+  const Soup* backdrop = nullptr;      ///< drawn in grey behind points; may be null
+  DeviationScale scale;                ///< colours of the scene
+  std::string scale_note;              ///< one sentence: where the ends of the scale come from
   std::string unit = "mm";             ///< of deviations, shown beside them
   std::optional<Histogram> histogram;  ///< of deviations; shown if given
-  std::optional<double> mean;  ///< marked in the histogram
+  std::optional<double> mean;          ///< marked in the histogram
 
   std::vector<HtmlTable::Column> spot_columns;              ///< of the table of `spots`
   std::vector<HtmlSpot> spots;                              ///< pins 1, 2, … in this order

@@ -43,7 +43,8 @@ class SceneReader {
 
   std::vector<std::uint64_t> roots() {
     const GltfJson& root = document_.root();
-    const GltfJson &scenes = document_.list(root, "scenes", "the file"), &nodes = document_.list(root, "nodes", "the file");
+    const GltfJson &scenes = document_.list(root, "scenes", "the file"),
+                   &nodes = document_.list(root, "nodes", "the file");
     std::vector<std::uint64_t> result;
     if (!scenes.empty()) {
       const std::uint64_t number = document_.integer(root, "scene", "the file", 0);
@@ -252,8 +253,8 @@ class SceneReader {
     return i < accessors.size() && GltfDocument::text(accessors[i], "type") == "SCALAR";
   }
 
-  GltfValues attribute(const GltfJson& attributes, const char* name, std::size_t least, std::size_t most, std::size_t count,
-                       const std::string& where) {
+  GltfValues attribute(const GltfJson& attributes, const char* name, std::size_t least, std::size_t most,
+                       std::size_t count, const std::string& where) {
     const std::string place = where + ".attributes." + std::string(name).substr(0, 40);
     GltfValues values =
         document_.accessor(document_.integer(attributes, name, where + ".attributes"), least, most, place);
@@ -304,7 +305,8 @@ class SceneReader {
     if (colors_rounded_ > 0) note(fmt::format("{} colour values were rounded to 8 bits", colors_rounded_));
     if (transparent_ > 0) note(fmt::format("the transparency of {} vertices is not kept", transparent_));
     for (const char* name : {"images", "textures", "animations"})
-      if (const GltfJson& all = document_.list(document_.root(), name, "the file"); !all.empty()) left_[name] += all.size();
+      if (const GltfJson& all = document_.list(document_.root(), name, "the file"); !all.empty())
+        left_[name] += all.size();
     std::uint64_t looks = 0;
     for (const GltfJson& material : document_.list(document_.root(), "materials", "the file"))
       looks += material.is_object() && (material.size() > material.contains("name"));

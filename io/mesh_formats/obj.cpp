@@ -18,9 +18,9 @@ namespace {
 
 // What the specification knows and a triangle mesh has no place for.
 constexpr std::array<std::string_view, 29> other_keywords = {
-    "s",    "mtllib",   "vp",       "cstype", "deg",        "bmat",      "step",  "p",     "l",
-    "curv", "curv2",  "surf",     "parm",     "trim",   "hole",       "scrv",      "sp",    "end",   "con",
-    "mg",   "bevel",  "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj", "ctech", "stech", "maplib"};
+    "s",     "mtllib",   "vp",       "cstype", "deg",        "bmat",      "step",  "p",     "l",     "curv",
+    "curv2", "surf",     "parm",     "trim",   "hole",       "scrv",      "sp",    "end",   "con",   "mg",
+    "bevel", "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj", "ctech", "stech", "maplib"};
 
 // A backslash at the end of a line continues it. It and the line end become blanks, so that every offset stays.
 std::string without_continuations(std::string_view bytes) {
@@ -310,7 +310,8 @@ class ObjParser {
     if (!has_texture_ && !textures_at_.empty())
       info_.notes.push_back(fmt::format("{} texture coordinates are not kept: no face uses them", textures_at_.size()));
     if (textures_later_ > 0)
-      info_.notes.push_back(fmt::format("texture coordinates of {} corners are not kept: they come after their faces", textures_later_));
+      info_.notes.push_back(
+          fmt::format("texture coordinates of {} corners are not kept: they come after their faces", textures_later_));
     if (weights_ > 0) info_.notes.push_back(fmt::format("the weights of {} vertices are not kept", weights_));
     if (odd_vertices_ > 0)
       info_.notes.push_back(
@@ -378,8 +379,11 @@ class PartWriter {
 
   void note(MeshWriteReport& report) const {
     if (absorbed_ > 0)
-      report.notes.push_back(fmt::format("{} triangles without a {} come after some with one, to which OBJ counts them", absorbed_, scalar_));
-    if (odd_names_ > 0) report.notes.push_back(fmt::format("{} names of a {} were written without line ends and the like", odd_names_, scalar_));
+      report.notes.push_back(fmt::format("{} triangles without a {} come after some with one, to which OBJ counts them",
+                                         absorbed_, scalar_));
+    if (odd_names_ > 0)
+      report.notes.push_back(
+          fmt::format("{} names of a {} were written without line ends and the like", odd_names_, scalar_));
   }
 
  private:

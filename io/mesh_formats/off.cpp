@@ -61,7 +61,8 @@ class OffParser {
           for (const std::uint32_t v : t) values.push_back(textures_[v][*name == 't']);
       }
     keep_face_colors();
-    if (transparent_ > 0) info_.notes.push_back(fmt::format("the transparency of {} colours is not kept", transparent_));
+    if (transparent_ > 0)
+      info_.notes.push_back(fmt::format("the transparency of {} colours is not kept", transparent_));
     return std::move(soup_);
   }
 
@@ -188,7 +189,8 @@ class OffParser {
     // Integers count to 255 and fractions to 1; a file of ones without a point can only be meant as fractions if no
     // value, alpha included, is larger.
     const double scale = colors.largest <= 1 ? 255 : 1;
-    if (colors.fractions && colors.largest > 1) info_.notes.emplace_back("colours with a fraction above 1 were taken as 0 to 255");
+    if (colors.fractions && colors.largest > 1)
+      info_.notes.emplace_back("colours with a fraction above 1 were taken as 0 to 255");
     for (const double alpha : colors.alphas) transparent_ += alpha * scale != 255;
     std::vector<std::array<std::uint8_t, 3>> result;
     result.reserve(colors.list.size());
@@ -201,7 +203,8 @@ class OffParser {
 
   void keep_face_colors() {
     if (map_indices_ > 0)
-      info_.notes.push_back(fmt::format("the colours of {} faces, places in a colour map or no colours, are not kept", map_indices_));
+      info_.notes.push_back(
+          fmt::format("the colours of {} faces, places in a colour map or no colours, are not kept", map_indices_));
     if (face_colors_.list.empty()) return;
     const auto colors = levels(face_colors_);
     static constexpr const char* names[] = {"red", "green", "blue"};

@@ -150,7 +150,8 @@ class PlyParser {
     }
     source_.finish(info_);
     if (odd_textures_ > 0)
-      info_.notes.push_back(fmt::format("the lists texcoord of {} faces are not kept: not two values for each corner", odd_textures_));
+      info_.notes.push_back(
+          fmt::format("the lists texcoord of {} faces are not kept: not two values for each corner", odd_textures_));
     info_.parts.emplace_back();
     collector_.finish(soup_, info_, context);
     // Faces may come from several elements (strips beside faces), of which one need not have what another has.
@@ -307,7 +308,8 @@ class PlyParser {
       if (property.is_list && &property != indices && property.name != "texcoord") note_list(element, property);
     }
     std::vector<double> texture;
-    if (const PlyProperty* list = element.find("texcoord"); list && list->is_list) collector_.name_corner_columns({"s", "t"});
+    if (const PlyProperty* list = element.find("texcoord"); list && list->is_list)
+      collector_.name_corner_columns({"s", "t"});
     std::vector<std::uint32_t> corners;
     std::vector<double> values(column.size());
     for (std::uint64_t i = 0; i < element.count; ++i) {

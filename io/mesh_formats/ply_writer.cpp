@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -141,7 +140,8 @@ Texture texture_of(const Soup& soup) {
 }
 
 template <class Record>
-void put_face(Record& record, const Soup& soup, const std::vector<Column>& columns, const Texture& texture, std::size_t i) {
+void put_face(Record& record, const Soup& soup, const std::vector<Column>& columns, const Texture& texture,
+              std::size_t i) {
   record.value(std::uint8_t{3});
   for (const std::uint32_t v : soup.triangles[i]) record.value(v);
   put_columns(record, columns, i);
@@ -207,10 +207,10 @@ void write_records(AtomicFile& file, std::size_t count, std::size_t size, Put pu
 }
 
 void write_binary_ply(AtomicFile& file, const Soup& soup, const std::vector<Column>& vertex_columns,
-                  const std::vector<Column>& face_columns, Context& context) {
+                      const std::vector<Column>& face_columns, Context& context) {
   Progress progress(soup, context);
-  const std::size_t vertex_size = 24 + (soup.vertex_normals.empty() ? 0 : 24) + size_of(vertex_columns) +
-                                  (soup.vertex_colors.empty() ? 0 : 3);
+  const std::size_t vertex_size =
+      24 + (soup.vertex_normals.empty() ? 0 : 24) + size_of(vertex_columns) + (soup.vertex_colors.empty() ? 0 : 3);
   const Texture texture = texture_of(soup);
   const std::size_t face_size = 13 + size_of(face_columns) + (texture.s ? 49 : 0);
   tbb::task_arena arena(context.threads > 0 ? context.threads : tbb::task_arena::automatic);

@@ -153,7 +153,8 @@ void PolygonCollector::place_corner_values(Soup& soup) const {
         if (face.size > 3) {
           const auto begin = corners_.begin() + static_cast<std::ptrdiff_t>(face.first_corner);
           place = static_cast<std::size_t>(std::find(begin, begin + static_cast<std::ptrdiff_t>(face.size),
-                                                     soup.triangles[face.first_triangle + i][k]) - begin);
+                                                     soup.triangles[face.first_triangle + i][k]) -
+                                           begin);
         }
         for (std::size_t c = 0; c < lists.size(); ++c)
           (*lists[c])[3 * (face.first_triangle + i) + k] = values_[face.first_value + place * columns_ + c];

@@ -39,10 +39,7 @@ class XmlStream {
 
   /// @param file,part for messages
   XmlStream(const std::string& file, std::string part, Start start, End end)
-      : file_(file),
-        part_(std::move(part)),
-        start_(std::move(start)),
-        end_(std::move(end)),
+      : file_(file), part_(std::move(part)), start_(std::move(start)), end_(std::move(end)),
         parser_(XML_ParserCreateNS(nullptr, '|'), &XML_ParserFree) {
     if (!parser_) throw std::bad_alloc();
     XML_SetUserData(parser_.get(), this);

@@ -17,8 +17,8 @@ Vec3 diverging_color(double t);
 /// Dark violet at 0 through green to yellow at 1; the end colours beyond.
 Vec3 sequential_color(double t);
 
-/// How deviations are coloured: by `diverging_color` from blue at `low` through near white at 0 (at the middle, if 0 is not
-/// between) to red at `high`.
+/// How deviations are coloured: by `diverging_color` from blue at `low` through near white at 0 (at the middle, if 0 is
+/// not between) to red at `high`.
 struct DeviationScale {
   double low = -1;  ///< the value that is blue
   double high = 1;  ///< the value that is red; above `low`
@@ -29,6 +29,8 @@ struct DeviationScale {
 Vec3 deviation_color(double value, const DeviationScale& scale);
 
 /// For what has no value.
-inline Vec3 missing_color() { return {0.62, 0.62, 0.62}; }
+inline Vec3 missing_color() {
+  return {0.62, 0.62, 0.62};
+}
 
 }  // namespace tri

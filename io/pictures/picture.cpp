@@ -1,7 +1,8 @@
 #include "io/pictures/picture.hpp"
 
-#include <csetjmp>
 #include <png.h>
+
+#include <csetjmp>
 
 #include "io/atomic_file.hpp"
 #include "meshops/error.hpp"
@@ -22,8 +23,7 @@ bool encode(const Picture& picture, std::string& bytes, png_structp png, png_inf
   png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height), 8,
                PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
-  for (int y = 0; y < picture.height; ++y)
-    png_write_row(png, reinterpret_cast<png_const_bytep>(&picture.at(0, y)));
+  for (int y = 0; y < picture.height; ++y) png_write_row(png, reinterpret_cast<png_const_bytep>(&picture.at(0, y)));
   png_write_end(png, nullptr);
   return true;
 }

@@ -12,7 +12,7 @@
 namespace tri {
 namespace {
 
-constexpr double margin = 0.04;                         // of the image, left free on each side
+constexpr double margin = 0.04;                           // of the image, left free on each side
 constexpr double distance_in_radii = 3.8637033051562732;  // 1 / sin(15 degrees): a view of 30 degrees across
 
 struct Box2 {
@@ -117,7 +117,8 @@ Bins sort_into_tiles(std::size_t count, int columns, int rows, int tile, const B
 
 }  // namespace
 
-Camera::Camera(const CameraSettings& settings, const std::vector<Vec3>& points, const std::vector<std::uint32_t>& framed)
+Camera::Camera(const CameraSettings& settings, const std::vector<Vec3>& points,
+               const std::vector<std::uint32_t>& framed)
     : perspective_(settings.perspective) {
   if (framed.empty()) throw InvalidInput("there is nothing to draw");
   const double length = settings.view.norm();
@@ -174,8 +175,8 @@ Vec3 Camera::toward_camera(const Vec3& point) const {
   return (origin_ + z_ * distance_ - point).normalized();
 }
 
-void rasterize(const std::vector<ScreenPoint>& points, const std::vector<Triangle>& triangles, int width, int height, int tile,
-               double dot_radius, Context& context,
+void rasterize(const std::vector<ScreenPoint>& points, const std::vector<Triangle>& triangles, int width, int height,
+               int tile, double dot_radius, Context& context,
                const std::function<void(int column, int row, const Sample& sample)>& paint) {
   const bool dots = triangles.empty();
   const int columns = (width + tile - 1) / tile, rows = (height + tile - 1) / tile;

@@ -44,9 +44,9 @@ class Camera {
   Vec3 in_view(const Vec3& point) const;
 
   bool perspective_;
-  Vec3 origin_, x_, y_, z_;   // z toward the camera
-  double distance_ = 1;       // of the camera from the origin, perspective only
-  double scale_ = 1;          // samples per unit
+  Vec3 origin_, x_, y_, z_;  // z toward the camera
+  double distance_ = 1;      // of the camera from the origin, perspective only
+  double scale_ = 1;         // samples per unit
   double shift_x_ = 0, shift_y_ = 0;
 };
 
@@ -58,12 +58,12 @@ struct Sample {
   double x = 0, y = 0;                ///< samples
 };
 
-/// Finds the nearest triangle (or dot of `dot_radius` samples, where `triangles` is empty) at the middle of every sample and
-/// calls `paint(column, row, sample)` once for each sample that shows something; from several threads at once, but from a
-/// single one within a tile of `tile` x `tile` samples. Among equally near triangles the first wins.
+/// Finds the nearest triangle (or dot of `dot_radius` samples, where `triangles` is empty) at the middle of every
+/// sample and calls `paint(column, row, sample)` once for each sample that shows something; from several threads at
+/// once, but from a single one within a tile of `tile` x `tile` samples. Among equally near triangles the first wins.
 /// @throws Cancelled between tiles.
-void rasterize(const std::vector<ScreenPoint>& points, const std::vector<Triangle>& triangles, int width, int height, int tile,
-               double dot_radius, Context& context,
+void rasterize(const std::vector<ScreenPoint>& points, const std::vector<Triangle>& triangles, int width, int height,
+               int tile, double dot_radius, Context& context,
                const std::function<void(int column, int row, const Sample& sample)>& paint);
 
 }  // namespace tri

@@ -21,7 +21,8 @@ constexpr int tile = 64 * supersampling;
 constexpr double dot_radius = 1.4 * supersampling;
 constexpr double edge_half_width = 0.5 * supersampling;
 constexpr double rim_width = 1.6 * supersampling;
-const double smooth_cosine = std::cos(0.6);  // corners whose normal turns by more than 0.6 rad from the triangle's stay sharp
+const double smooth_cosine = std::cos(0.6);  // corners whose normal turns by more than 0.6 rad from the triangle's stay
+                                             // sharp
 
 const Vec3 front_color(0.66, 0.73, 0.81);
 const Vec3 back_color(0.72, 0.50, 0.33);
@@ -38,8 +39,8 @@ void for_each_index(std::size_t count, const Body& body) {
 void check_options(const RenderOptions& options) {
   const auto in_range = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw InvalidInput(std::string(name) + " is " + std::to_string(value) + "; allowed are " + std::to_string(low) + " to " +
-                         std::to_string(high));
+      throw InvalidInput(std::string(name) + " is " + std::to_string(value) + "; allowed are " + std::to_string(low) +
+                         " to " + std::to_string(high));
   };
   in_range("width", options.width, 1, 8192);
   in_range("height", options.height, 1, 8192);
@@ -72,12 +73,13 @@ class Coloring {
     if (palette_ == Palette::plain) return front_color;
     if (!is_triangle)
       return palette_ == Palette::colors ? color_of_vertex(sample.id)
-             : per_vertex_              ? color_of((*values_)[sample.id])
-                                        : front_color;
+             : per_vertex_               ? color_of((*values_)[sample.id])
+                                         : front_color;
     const Triangle& corners = soup_.triangles[sample.id];
     const double* b = sample.barycentric;
     if (palette_ == Palette::colors)
-      return color_of_vertex(corners[0]) * b[0] + color_of_vertex(corners[1]) * b[1] + color_of_vertex(corners[2]) * b[2];
+      return color_of_vertex(corners[0]) * b[0] + color_of_vertex(corners[1]) * b[1] +
+             color_of_vertex(corners[2]) * b[2];
     if (!per_vertex_) return color_of((*values_)[sample.id]);
     if (palette_ == Palette::categories) {
       // Numbers of categories have no mean: the nearest corner decides.
@@ -104,11 +106,15 @@ class Coloring {
 
   void choose_palette(const RenderOptions& options) {
     std::vector<double> finite;
-    std::copy_if(values_->begin(), values_->end(), std::back_inserter(finite), [](double v) { return std::isfinite(v); });
+    std::copy_if(values_->begin(), values_->end(), std::back_inserter(finite),
+                 [](double v) { return std::isfinite(v); });
     tbb::parallel_sort(finite.begin(), finite.end());
-    const bool whole = std::all_of(finite.begin(), finite.end(), [](double v) { return v == std::floor(v) && std::abs(v) < 1e15; });
+    const bool whole =
+        std::all_of(finite.begin(), finite.end(), [](double v) { return v == std::floor(v) && std::abs(v) < 1e15; });
     const bool both_signs = !finite.empty() && finite.front() < 0 && finite.back() > 0;
-    palette_ = options.palette.value_or(whole ? Palette::categories : both_signs ? Palette::diverging : Palette::sequential);
+    palette_ = options.palette.value_or(whole        ? Palette::categories
+                                        : both_signs ? Palette::diverging
+                                                     : Palette::sequential);
     if (palette_ == Palette::plain || palette_ == Palette::colors)
       throw InvalidInput(std::string("the palette \"") + name_of(palette_) + "\" does not show a scalar");
     if (palette_ == Palette::categories) {
@@ -193,7 +199,8 @@ std::vector<std::uint8_t> find_rims(const Soup& soup, const std::vector<std::uin
   tbb::parallel_sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.key < b.key; });
   std::vector<std::uint8_t> rims(soup.triangles.size(), 0);
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    const bool alone = (i == 0 || edges[i - 1].key != edges[i].key) && (i + 1 == edges.size() || edges[i + 1].key != edges[i].key);
+    const bool alone =
+        (i == 0 || edges[i - 1].key != edges[i].key) && (i + 1 == edges.size() || edges[i + 1].key != edges[i].key);
     if (alone) rims[edges[i].triangle] |= static_cast<std::uint8_t>(1u << edges[i].corner);
   }
   return rims;
@@ -217,8 +224,8 @@ class Shader {
  public:
   Shader(const Soup& soup, const RenderOptions& options, const Camera& camera, const Coloring& coloring,
          const std::vector<ScreenPoint>& screen)
-      : soup_(soup), camera_(camera), coloring_(coloring), screen_(screen), edges_(options.edges && !soup.triangles.empty()),
-        smooth_(options.smooth && !soup.triangles.empty()) {
+      : soup_(soup), camera_(camera), coloring_(coloring), screen_(screen),
+        edges_(options.edges && !soup.triangles.empty()), smooth_(options.smooth && !soup.triangles.empty()) {
     if (edges_ || smooth_) place_ = places(soup);
     if (edges_) rims_ = find_rims(soup, place_);
     if (smooth_) normals_ = smooth_normals(soup, place_);
@@ -316,8 +323,8 @@ Rendering draw(const Soup& soup, const RenderOptions& options, Context& context)
       throw InvalidInput("vertex " + std::to_string(i) + " has a coordinate that is not finite or too large to draw");
   const int width = options.width * supersampling, height = options.height * supersampling;
   const Coloring coloring(soup, options);
-  const Camera camera({width, height, options.view, options.up, options.perspective, options.zoom, options.center}, soup.points,
-                      drawn_vertices(soup));
+  const Camera camera({width, height, options.view, options.up, options.perspective, options.zoom, options.center},
+                      soup.points, drawn_vertices(soup));
   std::vector<ScreenPoint> screen(soup.points.size());
   for_each_index(screen.size(), [&](std::size_t i) { screen[i] = camera.project(soup.points[i]); });
   const Shader shader(soup, options, camera, coloring, screen);
@@ -330,13 +337,16 @@ Rendering draw(const Soup& soup, const RenderOptions& options, Context& context)
   // Sums of the samples of each pixel; a pixel lies in one tile, so no two threads write to it.
   std::vector<std::array<float, 3>> sum(pixels, {0, 0, 0});
   std::vector<std::uint8_t> covered(pixels, 0), back(pixels, 0);
-  rasterize(screen, soup.triangles, width, height, tile, dot_radius, context, [&](int column, int row, const Sample& sample) {
-    const std::size_t pixel = std::size_t(row / supersampling) * std::size_t(options.width) + std::size_t(column / supersampling);
-    const Vec3 color = shader.color(sample);
-    for (int k = 0; k < 3; ++k) sum[pixel][std::size_t(k)] += static_cast<float>(std::clamp(color[k], 0.0, 1.0));
-    ++covered[pixel];
-    if (!soup.triangles.empty() && shader.is_back(sample.id)) ++back[pixel];
-  });
+  rasterize(screen, soup.triangles, width, height, tile, dot_radius, context,
+            [&](int column, int row, const Sample& sample) {
+              const std::size_t pixel =
+                  std::size_t(row / supersampling) * std::size_t(options.width) + std::size_t(column / supersampling);
+              const Vec3 color = shader.color(sample);
+              for (int k = 0; k < 3; ++k)
+                sum[pixel][std::size_t(k)] += static_cast<float>(std::clamp(color[k], 0.0, 1.0));
+              ++covered[pixel];
+              if (!soup.triangles.empty() && shader.is_back(sample.id)) ++back[pixel];
+            });
 
   constexpr int samples = supersampling * supersampling;
   result.picture.pixels.resize(pixels);
@@ -356,11 +366,16 @@ Rendering draw(const Soup& soup, const RenderOptions& options, Context& context)
 
 const char* name_of(Palette palette) {
   switch (palette) {
-    case Palette::plain: return "plain";
-    case Palette::colors: return "colors";
-    case Palette::categories: return "categories";
-    case Palette::diverging: return "diverging";
-    case Palette::sequential: return "sequential";
+    case Palette::plain:
+      return "plain";
+    case Palette::colors:
+      return "colors";
+    case Palette::categories:
+      return "categories";
+    case Palette::diverging:
+      return "diverging";
+    case Palette::sequential:
+      return "sequential";
   }
   return "";
 }

@@ -63,7 +63,8 @@ class HeaderParser {
       } else if (keyword == "TYPE") {
         for (Field& field : header.fields) {
           const std::string_view type = scanner_.token();
-          if (type != "F" && type != "I" && type != "U") scanner_.fail(io_detail::quoted(type) + " is not a type of PCD");
+          if (type != "F" && type != "I" && type != "U")
+            scanner_.fail(io_detail::quoted(type) + " is not a type of PCD");
           field.type = type[0];
         }
       } else if (keyword == "COUNT") {
@@ -86,7 +87,8 @@ class HeaderParser {
       } else {
         scanner_.fail("unknown keyword " + io_detail::quoted(keyword) + " in the PCD header", first);
       }
-      if (!scanner_.at_line_end()) scanner_.fail(io_detail::quoted(scanner_.token()) + " where the line should end", first);
+      if (!scanner_.at_line_end())
+        scanner_.fail(io_detail::quoted(scanner_.token()) + " where the line should end", first);
       scanner_.next_line();
     }
     if (has_points && has_width && width * height != header.points)

@@ -8,9 +8,9 @@
 
 #include "libtri/alignment/candidates.hpp"
 #include "libtri/alignment/pose_search.hpp"
-#include "libtri/quiet_context.hpp"
 #include "libtri/alignment/rim_fit.hpp"
 #include "libtri/alignment/verdict.hpp"
+#include "libtri/quiet_context.hpp"
 #include "meshops/error.hpp"
 #include "meshops/search/nearest_points.hpp"
 
@@ -66,13 +66,8 @@ class Alignment {
  public:
   Alignment(const CadModel& model, const Registration& registration, std::span<const Vec3> points,
             std::span<const Vec3> normals, const AlignOptions& options, Context& context)
-      : model_(model),
-        points_(points),
-        normals_(normals),
-        options_(options),
-        context_(context),
-        quiet_(context, context.threads),
-        target_{registration, model.diagonal, options.probe_radius},
+      : model_(model), points_(points), normals_(normals), options_(options), context_(context),
+        quiet_(context, context.threads), target_{registration, model.diagonal, options.probe_radius},
         centre_((model.box_min + model.box_max) * 0.5) {}
 
   AlignResult run() {

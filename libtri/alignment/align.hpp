@@ -30,8 +30,8 @@ AlignMode align_mode(std::string_view name);
 /// How a pose is sought, and how residuals are weighed.
 struct AlignOptions {
   AlignMode mode = AlignMode::automatic;  ///< where the search begins
-  std::optional<Pose> start;  ///< where refinement begins; nothing is searched then
-  Metric metric = Metric::plane;  ///< what is least in the refinement
+  std::optional<Pose> start;              ///< where refinement begins; nothing is searched then
+  Metric metric = Metric::plane;          ///< what is least in the refinement
   double keep = 1;          ///< share of the points that count in each step, in (0, 1]; Tukey's weights act in any case
   double probe_radius = 0;  ///< mm, >= 0: the points are centres of a ball of this radius that touched the part
   std::uint64_t seed = 1;   ///< of every random choice
@@ -52,25 +52,25 @@ const char* name_of(AlignStatus status);
 
 /// A pose that fits as well as the one chosen, within the noise.
 struct Alternative {
-  Pose pose;          ///< takes the points to the model
-  Pose motion;        ///< of the model, from the chosen pose to this one
-  std::string words;  ///< the motion, for a person
+  Pose pose;            ///< takes the points to the model
+  Pose motion;          ///< of the model, from the chosen pose to this one
+  std::string words;    ///< the motion, for a person
   FitQuality quality;   ///< of this pose
   double coverage = 0;  ///< share of the model's area near which there are points in this pose
 };
 
 /// The pose that was found, how well it fits, and what else would.
 struct AlignResult {
-  Pose pose;  ///< takes the points to the model; the identity bit for bit if `kept`
+  Pose pose;                                 ///< takes the points to the model; the identity bit for bit if `kept`
   AlignStatus status = AlignStatus::failed;  ///< failed unless the points fit
-  std::vector<std::string> reasons;  ///< why it is not good, one sentence each, with numbers
-  std::vector<std::string> notes;    ///< what else a person should know
-  bool kept = false;      ///< the points already lay on the model, and refinement is no better by more than noise
-  bool searched = false;  ///< poses from nothing were tried
-  int iterations = 0;     ///< of the refinement of the chosen pose
-  FitQuality quality;     ///< of the chosen pose
-  double coverage = 0;  ///< share of the model's area near which there are points
-  PoseInformation information;            ///< what the points fix of the chosen pose
+  std::vector<std::string> reasons;          ///< why it is not good, one sentence each, with numbers
+  std::vector<std::string> notes;            ///< what else a person should know
+  bool kept = false;            ///< the points already lay on the model, and refinement is no better by more than noise
+  bool searched = false;        ///< poses from nothing were tried
+  int iterations = 0;           ///< of the refinement of the chosen pose
+  FitQuality quality;           ///< of the chosen pose
+  double coverage = 0;          ///< share of the model's area near which there are points
+  PoseInformation information;  ///< what the points fix of the chosen pose
   std::vector<Alternative> alternatives;  ///< fit as well, best first; free motions are not repeated here
   double unit_factor = 1;                 ///< not 1: the points fit when multiplied by this, so their unit is another
   std::uint64_t points_used = 0;          ///< in the last steps
@@ -85,9 +85,9 @@ struct AlignResult {
 /// the points do not fix named. A small residual alone proves nothing: the pose is good only if no other found explains
 /// the points as well, and those far off are single ones and no regions.
 ///
-/// Where the distances fix a motion badly or not at all, points are drawn back from over the rim of the model, and if the
-/// rim stops the motion on both sides, the pose goes to the middle of what it allows (rim_fit.hpp): the motion is still
-/// named as not fixed by the surface.
+/// Where the distances fix a motion badly or not at all, points are drawn back from over the rim of the model, and if
+/// the rim stops the motion on both sides, the pose goes to the middle of what it allows (rim_fit.hpp): the motion is
+/// still named as not fixed by the surface.
 ///
 /// Where the points were already on the model and refinement lowers the mean squared distance by less than a twentieth
 /// or by what chance gives (chi-squared of six degrees, 1e-5; deviations that neighbours share count as fewer points),

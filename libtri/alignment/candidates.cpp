@@ -55,14 +55,9 @@ class Comparison {
  public:
   Comparison(const FitTarget& target, const PointSample& sample, const Vec3& centre, double radius,
              const Context& context)
-      : target_(target),
-        sample_(sample),
-        first_(sample_points(sample.points, sample.normals, first_points, 1)),
+      : target_(target), sample_(sample), first_(sample_points(sample.points, sample.normals, first_points, 1)),
         second_(sample_points(sample.points, sample.normals, second_points, 2)),
-        neighbours_(neighbourhood(sample.points, context)),
-        centre_(centre),
-        radius_(radius),
-        context_(context) {}
+        neighbours_(neighbourhood(sample.points, context)), centre_(centre), radius_(radius), context_(context) {}
 
   std::vector<Candidate> run(std::vector<Scored> items) {
     refine_first(items);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double tukey = 4.685;
 constexpr double least_sigma = 1e-9;     // of the diagonal
-constexpr double contact = 1e-8;      // of the diagonal: nearer, the direction is the normal
+constexpr double contact = 1e-8;         // of the diagonal: nearer, the direction is the normal
 constexpr double normals_agree = 0.8;    // share that must agree before normals count
 constexpr double opposed_cosine = -0.2;  // normals that differ by more than 100 degrees
 constexpr double unfixed_share = 1e-9;   // of the largest eigenvalue: no step along motions with less information

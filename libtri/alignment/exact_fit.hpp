@@ -24,8 +24,8 @@ struct PointResidual {
 /// What the residuals are measured against.
 struct FitTarget {
   const Registration& registration;  ///< of the model; outlives this
-  double diagonal = 1;      ///< mm, of the model
-  double probe_radius = 0;  ///< mm, >= 0: the points are centres of a ball that touched the part
+  double diagonal = 1;               ///< mm, of the model
+  double probe_radius = 0;           ///< mm, >= 0: the points are centres of a ball that touched the part
 
   /// Closest points on the exact trimmed model. With a probe radius, the side of the surface is the one most points lie
   /// on.
@@ -51,12 +51,12 @@ enum class Metric {
 /// How a pose is refined: kernels from wide to narrow, then Tukey's weights until it stands still.
 struct RefineOptions {
   Metric metric = Metric::plane;  ///< what is least
-  double first_kernel = 0;  ///< mm: scale of a Geman-McClure kernel in the first step; 0: Tukey from the start
-  double last_kernel = 0;   ///< mm: its scale in the last of the kernel's steps
-  int kernel_steps = 0;     ///< steps in which the kernel shrinks from the first to the last scale; 0: none
-  int max_steps = 30;    ///< with Tukey's weights
-  double tolerance = 0;  ///< mm: a step that moves the points less (rms) is the last
-  double keep = 1;       ///< share of the points that count, those with the least residuals, in (0, 1]
+  double first_kernel = 0;        ///< mm: scale of a Geman-McClure kernel in the first step; 0: Tukey from the start
+  double last_kernel = 0;         ///< mm: its scale in the last of the kernel's steps
+  int kernel_steps = 0;           ///< steps in which the kernel shrinks from the first to the last scale; 0: none
+  int max_steps = 30;             ///< with Tukey's weights
+  double tolerance = 0;           ///< mm: a step that moves the points less (rms) is the last
+  double keep = 1;                ///< share of the points that count, those with the least residuals, in (0, 1]
 };
 
 /// A pose, and what is left of the distances.

@@ -12,10 +12,10 @@ namespace tri {
 namespace {
 
 constexpr double inlier_sigmas = 4.685;
-constexpr double near_limit = 5e-3;    // of the size
-constexpr double far_limit = 5e-4;     // of the size
-constexpr double clip = 1e-2;          // of the size: a point farther off counts as so far
-constexpr double far_neighbour = 2.5;  // times the usual distance: wild points in the air have no neighbours
+constexpr double near_limit = 5e-3;        // of the size
+constexpr double far_limit = 5e-4;         // of the size
+constexpr double clip = 1e-2;              // of the size: a point farther off counts as so far
+constexpr double far_neighbour = 2.5;      // times the usual distance: wild points in the air have no neighbours
 constexpr std::size_t neighbours_far = 3;  // of four
 
 }  // namespace

@@ -22,7 +22,7 @@ struct NormalEquations {
   /// @param weights  one a residual, >= 0; their sum above 0
   NormalEquations(std::span<const PointResidual> residuals, std::span<const double> weights);
 
-  Matrix6 matrix = Matrix6::Zero();  ///< divided by the sum of weights: eigenvalues lie in [0, 2]
+  Matrix6 matrix = Matrix6::Zero();                  ///< divided by the sum of weights: eigenvalues lie in [0, 2]
   Vector6 right_side = Vector6::Zero();              ///< divided likewise
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< weighted mean of the points, mm
   double radius = 1;                                 ///< mm, rms distance of the points from it

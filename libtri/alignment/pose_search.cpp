@@ -44,10 +44,8 @@ class Scorer {
  public:
   Scorer(const ScanSubset& scan, const SurfaceSamples& samples, const PoseSearchOptions& options)
       : field_(samples, field_margin * options.diagonal + options.probe_radius, field_cells),
-        scan_centre_(to_eigen(scan.centre)),
-        field_centre_(to_eigen(field_.centre())),
-        diagonal_(static_cast<float>(options.diagonal)),
-        probe_(static_cast<float>(options.probe_radius)),
+        scan_centre_(to_eigen(scan.centre)), field_centre_(to_eigen(field_.centre())),
+        diagonal_(static_cast<float>(options.diagonal)), probe_(static_cast<float>(options.probe_radius)),
         oriented_(scan.oriented) {
     // Points whose normals are known first, both parts in random order.
     std::vector<std::uint32_t> order(scan.points.size());

@@ -46,15 +46,9 @@ class Fit {
  public:
   Fit(const Rim& rim, const FitTarget& target, const PointSample& sample, const NormalEquations& equations,
       double sigma, Context& context)
-      : rim_(rim),
-        target_(target),
-        sample_(sample),
-        matrix_(equations.matrix * (equations.weight / (sigma * sigma))),
-        right_(equations.right_side * (equations.weight / (sigma * sigma))),
-        centre_(equations.centre),
-        radius_(equations.radius),
-        sigma_(sigma),
-        context_(context) {}
+      : rim_(rim), target_(target), sample_(sample), matrix_(equations.matrix * (equations.weight / (sigma * sigma))),
+        right_(equations.right_side * (equations.weight / (sigma * sigma))), centre_(equations.centre),
+        radius_(equations.radius), sigma_(sigma), context_(context) {}
 
   RimFit run(const Pose& start, const Motions& motions) {
     RimFit result;

@@ -126,9 +126,11 @@ ScanSubset scan_subset(std::span<const Vec3> points, std::span<const Vec3> norma
   if (!subset.oriented) {
     subset.normals.resize(subset.points.size());
     const NearestPoints tree(subset.points);
-    for_each_block(context, "", subset.points.size(), normals_block, [&](std::size_t, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) subset.normals[i] = plane_normal(subset.points, tree, subset.points[i]);
-    });
+    for_each_block(context, "", subset.points.size(), normals_block,
+                   [&](std::size_t, std::size_t begin, std::size_t end) {
+                     for (std::size_t i = begin; i < end; ++i)
+                       subset.normals[i] = plane_normal(subset.points, tree, subset.points[i]);
+                   });
   }
   return subset;
 }

@@ -26,8 +26,9 @@ class Shape {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// Sews loose faces into shells at `tolerance` mm where the shape holds neither a solid nor exactly one shell; any other
-/// shape is returned as it is. Faces keep their surfaces and names; their order may change (CadFace::shape_face follows it).
+/// Sews loose faces into shells at `tolerance` mm where the shape holds neither a solid nor exactly one shell; any
+/// other shape is returned as it is. Faces keep their surfaces and names; their order may change (CadFace::shape_face
+/// follows it).
 Shape sewn(const Shape& shape, double tolerance = 0.01);
 
 }  // namespace tri

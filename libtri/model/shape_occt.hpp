@@ -2,7 +2,6 @@
 
 // Included only by the source files that wrap OpenCASCADE.
 #include <TopoDS_Shape.hxx>
-
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +19,8 @@ struct Shape::Impl {
 inline Shape make_shape(const TopoDS_Shape& shape, std::vector<std::string> face_names = {}) {
   return Shape(std::make_shared<const Shape::Impl>(Shape::Impl{shape, std::move(face_names)}));
 }
-inline const TopoDS_Shape& occt(const Shape& shape) { return shape.impl().shape; }
+inline const TopoDS_Shape& occt(const Shape& shape) {
+  return shape.impl().shape;
+}
 
 }  // namespace tri

@@ -1,5 +1,7 @@
 #include "libtri/model/tessellation.hpp"
 
+#include <tbb/task_arena.h>
+
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Tool.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
@@ -9,7 +11,6 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
-#include <tbb/task_arena.h>
 #include <unordered_map>
 
 #include "libtri/model/shape_occt.hpp"
@@ -27,29 +28,32 @@ struct Side {
   int corner = 0;
 };
 
-/// Per triangle and side, the side on the other face of the edge. Sides, not only triangles: around a pole two triangles can
-/// share two edges.
+/// Per triangle and side, the side on the other face of the edge. Sides, not only triangles: around a pole two
+/// triangles can share two edges.
 using Twins = std::vector<std::array<Side, 3>>;
 
-std::uint64_t directed(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
+std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
+  return std::uint64_t{from} << 32 | to;
+}
 
 /// The triangulations of all faces side by side, linked within each face; nodes are not shared between faces yet.
 struct LooseFaces {
-  struct Use {  // of a model edge by a face
+  struct Use {                         // of a model edge by a face
     std::vector<std::uint32_t> nodes;  // in the edge's own direction
   };
   std::vector<Vec3> nodes;
   std::vector<Vec2> node_uv;
   std::vector<Triangle> triangles;
   std::vector<std::int32_t> faces;
-  std::vector<std::vector<Use>> edge_uses;  // by 1-based edge number; degenerate edges have none
+  std::vector<std::vector<Use>> edge_uses;        // by 1-based edge number; degenerate edges have none
   std::vector<std::vector<std::uint32_t>> poles;  // nodes of each degenerate edge
 };
 
-std::vector<std::uint32_t> polygon_nodes(const Handle(Poly_PolygonOnTriangulation)& polygon, std::uint32_t offset) {
+std::vector<std::uint32_t> polygon_nodes(const Handle(Poly_PolygonOnTriangulation) & polygon, std::uint32_t offset) {
   std::vector<std::uint32_t> nodes;
   nodes.reserve(static_cast<std::size_t>(polygon->NbNodes()));
-  for (int k = 1; k <= polygon->NbNodes(); ++k) nodes.push_back(offset + static_cast<std::uint32_t>(polygon->Node(k)) - 1);
+  for (int k = 1; k <= polygon->NbNodes(); ++k)
+    nodes.push_back(offset + static_cast<std::uint32_t>(polygon->Node(k)) - 1);
   return nodes;
 }
 
@@ -81,7 +85,7 @@ LooseFaces collect(const CadModel& model) {
                                  offset + static_cast<std::uint32_t>(c) - 1});
       loose.faces.push_back(static_cast<std::int32_t>(position));
     }
-    const auto add_use = [&](const TopoDS_Edge& edge, const Handle(Poly_PolygonOnTriangulation)& polygon) {
+    const auto add_use = [&](const TopoDS_Edge& edge, const Handle(Poly_PolygonOnTriangulation) & polygon) {
       if (polygon.IsNull()) return;
       if (BRep_Tool::Degenerated(edge)) {
         loose.poles.push_back(polygon_nodes(polygon, offset));
@@ -116,7 +120,8 @@ Twins link(const LooseFaces& loose) {
       if (twin != sides.end()) twins[t][k] = twin->second;
     }
   for (const auto& uses : loose.edge_uses) {
-    if (uses.size() != 2 || uses[0].nodes.size() != uses[1].nodes.size()) continue;  // free, non-manifold, or out of step
+    if (uses.size() != 2 || uses[0].nodes.size() != uses[1].nodes.size())
+      continue;  // free, non-manifold, or out of step
     for (std::size_t k = 0; k + 1 < uses[0].nodes.size(); ++k) {
       Side found[2];
       bool along[2] = {false, false};
@@ -214,8 +219,8 @@ Tessellation tessellate(const CadModel& model, double deflection, double angle, 
   return result;
 }
 
-SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vector<std::array<std::int32_t, 3>>& neighbors,
-                         const Context* context) {
+SurfaceTopology topology(const std::vector<Triangle>& triangles,
+                         const std::vector<std::array<std::int32_t, 3>>& neighbors, const Context* context) {
   Pace pace(context);
   std::uint32_t vertices = 0;
   for (const Triangle& t : triangles)
@@ -228,7 +233,8 @@ SurfaceTopology topology(const std::vector<Triangle>& triangles, const std::vect
     for (int k = 0; k < 3; ++k) {
       used[triangles[i][k]] = true;
       if (neighbors[i][k] >= 0) {
-        if (neighbors[i][k] > static_cast<std::int32_t>(i)) components.join(i, static_cast<std::uint32_t>(neighbors[i][k]));
+        if (neighbors[i][k] > static_cast<std::int32_t>(i))
+          components.join(i, static_cast<std::uint32_t>(neighbors[i][k]));
         edges_twice += 1;
       } else {
         const std::uint32_t a = triangles[i][(k + 1) % 3], b = triangles[i][(k + 2) % 3];

@@ -24,7 +24,8 @@ TopoDS_Wire section(double h) {
   const double chord = 40 - 8 * h, twist = (12 + 38 * h) * M_PI / 180, thickest = 2.0 - 0.9 * h;
   const auto place = [&](double x, double y) {
     x -= 0.45 * chord;
-    return gp_Pnt(x * std::cos(twist) - y * std::sin(twist), x * std::sin(twist) + y * std::cos(twist), blade_height * h);
+    return gp_Pnt(x * std::cos(twist) - y * std::sin(twist), x * std::sin(twist) + y * std::cos(twist),
+                  blade_height * h);
   };
   // A parabolic camber line of 8% and half the thickness across it; s in [0,1] along the chord.
   const auto at = [&](double s, double side) {

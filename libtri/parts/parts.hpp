@@ -23,8 +23,12 @@ TopoDS_Shape fillet_block();
 using EdgeFilter = std::function<bool(const gp_Pnt& middle, const gp_Vec& tangent)>;
 
 /// Whether an edge runs along z, up or down; whether a point is at height `z`.
-inline bool vertical(const gp_Vec& tangent) { return std::abs(tangent.Z()) > 0.99; }
-inline bool level(const gp_Pnt& p, double z) { return std::abs(p.Z() - z) < 1e-6; }
+inline bool vertical(const gp_Vec& tangent) {
+  return std::abs(tangent.Z()) > 0.99;
+}
+inline bool level(const gp_Pnt& p, double z) {
+  return std::abs(p.Z() - z) < 1e-6;
+}
 
 /// `shape` with the edges that pass `wanted` (and those tangent to them) rounded by `radius` mm.
 /// @throws CadError if OpenCASCADE cannot build the fillet or no edge passes.

@@ -113,8 +113,8 @@ class FaceMesher {
       const gp_Pnt2d uv = mesh->UVNode(i);
       add_node(surface, {uv.X(), uv.Y()}, info);
     }
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<std::uint32_t, int>>
-        edges;  // to facet and opposite corner
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<std::uint32_t, int>> edges;  // to facet and opposite
+                                                                                             // corner
     for (int i = 1; i <= mesh->NbTriangles(); ++i) {
       int a, b, c;
       mesh->Triangle(i).Get(a, b, c);

@@ -24,7 +24,7 @@ enum Stream : std::uint64_t { places, drop_outs, lines, surplus, outlier_choice,
 
 constexpr int max_tries = 200000;             // refusals in a row before nothing is left to measure
 constexpr std::size_t least_refused = 20000;  // places of a regular pattern, all refused: nothing is left to measure
-constexpr std::size_t points_block = 16384;          // points between two checkpoints
+constexpr std::size_t points_block = 16384;   // points between two checkpoints
 constexpr double outlier_low = 0.01, outlier_high = 0.1;  // of the diagonal
 
 void validate(const MeasurementOptions& o) {
@@ -52,8 +52,7 @@ void validate(const MeasurementOptions& o) {
 class Measurement {
  public:
   Measurement(const Shape& shape, const MeasurementOptions& options, Context& context)
-      : options_(options),
-        context_(context),
+      : options_(options), context_(context),
         arena_(context.threads > 0 ? std::min(context.threads, tbb::info::default_concurrency())
                                    : tbb::task_arena::automatic),
         model_(shape, context) {

@@ -24,7 +24,7 @@ SamplingPattern sampling_pattern(std::string_view name);
 
 /// How many points are measured where, and how well.
 struct MeasurementOptions {
-  std::uint64_t points = 10000;  ///< exactly this many are made, 1 to 1e9, outliers included
+  std::uint64_t points = 10000;                       ///< exactly this many are made, 1 to 1e9, outliers included
   SamplingPattern pattern = SamplingPattern::random;  ///< where the points lie
   double line_ratio = 10;  ///< scan: distance between lines over distance along a line, in [1, 1000]
   double noise = 0;        ///< mm, standard deviation of a Gaussian along the normal, >= 0
@@ -41,8 +41,8 @@ struct MeasurementOptions {
   std::vector<Vec3> views;
   double max_angle = 75 * std::numbers::pi / 180;  ///< rad, in (0, pi/2]
 
-  bool move = false;     ///< a random rigid motion, its translation up to one diagonal along each axis
-  bool shuffle = false;  ///< random order of the points
+  bool move = false;       ///< a random rigid motion, its translation up to one diagonal along each axis
+  bool shuffle = false;    ///< random order of the points
   std::uint64_t seed = 1;  ///< the same seed and model give the same points
 };
 

@@ -10,7 +10,8 @@ namespace tri {
 
 CrossingSearch::CrossingSearch(std::span<const Vec3> positions, const std::vector<Triangle>& triangles,
                                std::vector<std::uint32_t> ids, const Context* context)
-    : positions_(positions), triangles_(triangles), ids_(std::move(ids)), context_(context), changed_(triangles.size(), false) {
+    : positions_(positions), triangles_(triangles), ids_(std::move(ids)), context_(context),
+      changed_(triangles.size(), false) {
   refresh();
 }
 

@@ -28,16 +28,10 @@ double kink_between(const std::vector<ParameterBreak>& breaks, double period, do
 
 class CurvePieceBuilder {
  public:
-  CurvePieceBuilder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal, const Context& context,
-          std::vector<CurvePiece>& out)
-      : curve_(curve),
-        index_(index),
-        surface_(surface),
-        diagonal_(diagonal),
-        context_(context),
-        out_(out),
-        u_(surface.u_breaks()),
-        v_(surface.v_breaks()) {}
+  CurvePieceBuilder(const FaceCurve& curve, std::uint32_t index, const Surface& surface, double diagonal,
+                    const Context& context, std::vector<CurvePiece>& out)
+      : curve_(curve), index_(index), surface_(surface), diagonal_(diagonal), context_(context), out_(out),
+        u_(surface.u_breaks()), v_(surface.v_breaks()) {}
 
   void run() {
     if (curve_.point) {

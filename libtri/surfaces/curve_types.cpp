@@ -123,9 +123,7 @@ class BSplineCurve final : public CurveBase<Vec> {
   static constexpr int dim = dimension<Vec>;
 
   BSplineCurve(BSplineBasis basis, const std::vector<Vec>& poles, const std::vector<double>& weights)
-      : CurveBase<Vec>(basis.period()),
-        basis_(std::move(basis)),
-        rational_(!weights.empty()),
+      : CurveBase<Vec>(basis.period()), basis_(std::move(basis)), rational_(!weights.empty()),
         n_(dim + (rational_ ? 1 : 0)) {
     const std::size_t count = basis_.count();
     if (poles.size() != count || (rational_ && weights.size() != count))

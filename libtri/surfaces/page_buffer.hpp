@@ -31,8 +31,7 @@ class PageBuffer {
     if (alignment == huge_page) madvise(data_, rounded, MADV_HUGEPAGE);  // a hint: refusal changes nothing but the time
 #endif
   }
-  PageBuffer(PageBuffer&& other) noexcept
-      : data_(std::exchange(other.data_, nullptr)), alignment_(other.alignment_) {}
+  PageBuffer(PageBuffer&& other) noexcept : data_(std::exchange(other.data_, nullptr)), alignment_(other.alignment_) {}
   PageBuffer& operator=(PageBuffer&& other) noexcept {
     std::swap(data_, other.data_);
     std::swap(alignment_, other.alignment_);

@@ -205,11 +205,8 @@ struct Certificate {
   double first[2], second[3], e0[3], e1[3];
 
   Certificate(const Local& s, const SurfaceBounds& bounds, double hu, double hv, double diagonal)
-      : first{bounds.du * hu, bounds.dv * hv},
-        second{bounds.duu * hu * hu, bounds.duv * hu * hv, bounds.dvv * hv * hv},
-        aa_(s.a | s.a),
-        ab_(s.a | s.b),
-        bb_(s.b | s.b) {
+      : first{bounds.du * hu, bounds.dv * hv}, second{bounds.duu * hu * hu, bounds.duv * hu * hv, bounds.dvv * hv * hv},
+        aa_(s.a | s.a), ab_(s.a | s.b), bb_(s.b | s.b) {
     const double third[4] = {bounds.duuu * hu * hu * hu, bounds.duuv * hu * hu * hv, bounds.duvv * hu * hv * hv,
                              bounds.dvvv * hv * hv * hv};
     const Vec3* d1[2] = {&s.a, &s.b};
@@ -244,14 +241,9 @@ struct Certificate {
 class PatchBuilder {
  public:
   PatchBuilder(const CadFace& face, const TrimRegion& region, std::uint32_t position, double diagonal,
-          const Context& context, std::vector<SurfacePatch>& out)
-      : surface_(*face.surface),
-        region_(region),
-        position_(position),
-        diagonal_(diagonal),
-        context_(context),
-        out_(out),
-        begin_(out.size()) {
+               const Context& context, std::vector<SurfacePatch>& out)
+      : surface_(*face.surface), region_(region), position_(position), diagonal_(diagonal), context_(context),
+        out_(out), begin_(out.size()) {
     Vec2 feet[2];
     closed_form_ = surface_.closest(surface_.point(face.u_min, face.v_min), feet) >= 0;
   }

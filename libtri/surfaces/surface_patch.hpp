@@ -19,12 +19,12 @@ struct FootCandidate {
   Vec3 foot{0, 0, 0};
   Vec3 normal{0, 0, 0};  ///< along du x dv, of any length
   Vec2 uv{0, 0};
-  std::uint32_t face = 0;  ///< position in CadModel::faces
-  std::uint32_t item = 0;  ///< patch or curve piece that holds it
-  bool on_curve = false;   ///< on a face curve
-  bool boundary = false;   ///< and that is a trimming curve, not a seam, pole or kink
-  double t = 0;            ///< parameter on that curve
-  double tie = 0;          ///< mm: distances that differ by less are equal
+  std::uint32_t face = 0;          ///< position in CadModel::faces
+  std::uint32_t item = 0;          ///< patch or curve piece that holds it
+  bool on_curve = false;           ///< on a face curve
+  bool boundary = false;           ///< and that is a trimming curve, not a seam, pole or kink
+  double t = 0;                    ///< parameter on that curve
+  double tie = 0;                  ///< mm: distances that differ by less are equal
   const CadFace* faces = nullptr;  ///< CadModel::faces
   std::uint64_t chance = 0;        ///< a number that depends on the point alone
 

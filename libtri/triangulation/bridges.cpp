@@ -13,15 +13,15 @@
 #include <utility>
 #include <vector>
 
+#include "libtri/quiet_context.hpp"
 #include "libtri/surfaces/crossing_search.hpp"
 #include "libtri/triangulation/shell/edit_mesh.hpp"
 #include "libtri/triangulation/shell/triangle_cost.hpp"
 #include "libtri/triangulation/shell/triangle_geometry.hpp"
-#include "libtri/quiet_context.hpp"
-#include "meshops/pace.hpp"
 #include "meshops/crossings/self_intersections.hpp"
 #include "meshops/holes/polygon_triangulation.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 
 namespace tri {
@@ -39,11 +39,11 @@ constexpr double much = 0.005;    ///< of the area
 constexpr int most_rounds = 6;    ///< over what still bridges
 constexpr int most_attempts = 4;  ///< at a region whose best triangulations cross others
 constexpr int most_crossing_rounds = 3;
-constexpr double most_rise = 1.1;          ///< of a region's sum, for fewer crossings
-constexpr std::size_t most_in_vain = 100;  ///< regions of crossings in turn that nothing helped
-constexpr int zone_steps = 14;             ///< triangles around a bridging one that may change
-constexpr std::size_t most_changes = 400;  ///< before the search for crossings is sorted anew; more in a large zone
-constexpr std::size_t triangles_block = 8192;        ///< triangles
+constexpr double most_rise = 1.1;              ///< of a region's sum, for fewer crossings
+constexpr std::size_t most_in_vain = 100;      ///< regions of crossings in turn that nothing helped
+constexpr int zone_steps = 14;                 ///< triangles around a bridging one that may change
+constexpr std::size_t most_changes = 400;      ///< before the search for crossings is sorted anew; more in a large zone
+constexpr std::size_t triangles_block = 8192;  ///< triangles
 
 using Normal = std::array<float, 3>;
 
@@ -301,8 +301,8 @@ class Lessener {
       patch_.clear();
       for (const RingTriangle& c : chosen_) patch_.push_back({ring_[c[0]], ring_[c[1]], ring_[c[2]]});
       const long now = count_crossings();
-      if (now > crossings ||
-          (aim == Aim::crossings && now == crossings)) {  // what crosses is forbidden, and the next best tried
+      if (now > crossings || (aim == Aim::crossings && now == crossings)) {  // what crosses is forbidden, and the next
+                                                                             // best tried
         for (std::size_t c = 0; c < chosen_.size(); ++c)
           if (crossing_[c]) forbidden_.push_back(chosen_[c]);
         continue;

@@ -10,11 +10,11 @@
 #include <set>
 #include <unordered_map>
 
+#include "libtri/quiet_context.hpp"
 #include "libtri/triangulation/empty_discs.hpp"
 #include "libtri/triangulation/mesh_spacing.hpp"
-#include "libtri/quiet_context.hpp"
-#include "meshops/pace.hpp"
 #include "meshops/limits.hpp"
+#include "meshops/pace.hpp"
 #include "meshops/search/disjoint_sets.hpp"
 #include "meshops/search/nearest_points.hpp"
 #include "meshops/select_indices.hpp"
@@ -124,7 +124,8 @@ void add_probes(const PointMesh& mesh, std::span<const Foot> feet, std::span<con
 }
 
 /// Closes triangles again until the open ones leave no vertex without a triangle and no vertex with two fans.
-void keep_manifold(const PointMesh& mesh, const MeshStars& stars, std::vector<bool>& open, const std::vector<float>& size) {
+void keep_manifold(const PointMesh& mesh, const MeshStars& stars, std::vector<bool>& open,
+                   const std::vector<float>& size) {
   std::set<std::uint32_t> work;
   for (std::uint32_t t = 0; t < open.size(); ++t)
     if (open[t]) work.insert(mesh.triangles[t].begin(), mesh.triangles[t].end());
@@ -287,8 +288,8 @@ Coverage find_unmeasured(const CadModel& model, const Registration& registration
   const NearestPoints center_tree(centers);
   std::vector<Vec3> middles;
   std::vector<std::uint32_t> middle_triangle;
-  std::vector<bool>
-      small_middle;  // such triangles are open only if they stand for another side than the one they lie on
+  std::vector<bool> small_middle;  // such triangles are open only if they stand for another side than the one they lie
+                                   // on
   std::vector<NearestPoints::Neighbor> near;
   Pace pace(context);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -85,12 +85,8 @@ class Builder {
  public:
   Builder(std::span<const Vec2> points, std::span<const std::uint16_t> cuts, const PlanePredicates& test,
           const Context& context)
-      : points_(points.data()),
-        cuts_(cuts),
-        test_(test),
-        context_(context),
-        rings_(PageBuffer<Ring>(6 * points.size())),
-        origin_(PageBuffer<Index>(6 * points.size())) {}
+      : points_(points.data()), cuts_(cuts), test_(test), context_(context),
+        rings_(PageBuffer<Ring>(6 * points.size())), origin_(PageBuffer<Index>(6 * points.size())) {}
 
   // Triangulates all points; returns a hull edge whose right face is the outer one. Unused slots become
   // loose edges, which are in no triangle.
@@ -321,10 +317,7 @@ class Builder {
 class Emitter {
  public:
   Emitter(PageBuffer<Ring>& rings, PageBuffer<Index>& origins, std::size_t n_slots)
-      : rings_(rings),
-        origins_(origins),
-        n_slots_(n_slots),
-        blocks_((n_slots + emit_block - 1) / emit_block),
+      : rings_(rings), origins_(origins), n_slots_(n_slots), blocks_((n_slots + emit_block - 1) / emit_block),
         lowest_((n_slots + 63) / 64, 0) {}
 
   void run(Index hull_edge, Delaunay& result) {

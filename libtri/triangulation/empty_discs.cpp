@@ -99,8 +99,7 @@ std::size_t EmptyDiscs::bin_of(const Normal& n) {
   for (int k = 1; k < 3; ++k)
     if (std::abs(n[k]) > std::abs(n[axis])) axis = k;
   const auto cell = [&](int k) {
-    return n[axis] == 0 ? 0
-                        : std::clamp(static_cast<int>((n[k] / std::abs(n[axis]) + 1) * 0.5f * cells), 0, cells - 1);
+    return n[axis] == 0 ? 0 : std::clamp(static_cast<int>((n[k] / std::abs(n[axis]) + 1) * 0.5f * cells), 0, cells - 1);
   };
   return static_cast<std::size_t>(((2 * axis + (n[axis] < 0)) * cells + cell((axis + 1) % 3)) * cells +
                                   cell((axis + 2) % 3));

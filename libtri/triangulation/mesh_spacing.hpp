@@ -26,9 +26,9 @@ struct TriangleShape {
   float longest = 0, shortest = 0;  ///< edges
 };
 
-/// The spacing of points around each vertex of a mesh through them: on scattered points about the square root of the area
-/// per point, on scan lines the distance of the lines. Taken from the radii of the circumcircles, which the dense direction
-/// does not shrink.
+/// The spacing of points around each vertex of a mesh through them: on scattered points about the square root of the
+/// area per point, on scan lines the distance of the lines. Taken from the radii of the circumcircles, which the dense
+/// direction does not shrink.
 ///
 /// Built on the threads of the caller's arena; may be asked from several threads at once.
 class MeshSpacing {
@@ -36,8 +36,8 @@ class MeshSpacing {
   /// @param mesh, places  are referred to. One place per point.
   MeshSpacing(const PointMesh& mesh, std::span<const Vec3> places);
 
-  /// The median over some forty vertices around, on scan lines up to four hundred, so that those at the rim of a gap know it as well as any; 0 for a
-  /// point in no triangle.
+  /// The median over some forty vertices around, on scan lines up to four hundred, so that those at the rim of a gap
+  /// know it as well as any; 0 for a point in no triangle.
   float at(std::uint32_t v) const;
   /// The largest of a triangle's corners.
   float at(const Triangle& t) const;

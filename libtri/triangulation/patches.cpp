@@ -115,8 +115,8 @@ std::vector<std::uint32_t> triangles_at(const EditMesh& mesh, const std::vector<
   });
 }
 
-// Measures the areas of all vertices that a cost can ask for: those of the triangles at loose vertices, and of some around
-// them, since flips spread.
+// Measures the areas of all vertices that a cost can ask for: those of the triangles at loose vertices, and of some
+// around them, since flips spread.
 void measure_areas_around(EditMesh& mesh, const std::vector<std::uint8_t>& loose) {
   constexpr int steps = 12;
   std::vector<std::uint8_t> wanted(mesh.triangles.size(), 0);

@@ -18,9 +18,9 @@ double robust_sigma(std::span<const Foot> feet);
 
 /// Indices of points that do not belong to the surface, ascending.
 ///
-/// With a given `distance`, mm: every point farther from the model. Else those farther than 8 `robust_sigma` (at least 1e-4
-/// of the model's diagonal) that also stand apart from their neighbours by as much: a dent of the part, whose points
-/// deviate together, is kept.
+/// With a given `distance`, mm: every point farther from the model. Else those farther than 8 `robust_sigma` (at least
+/// 1e-4 of the model's diagonal) that also stand apart from their neighbours by as much: a dent of the part, whose
+/// points deviate together, is kept.
 /// @param feet  one per point; those with face < 0 are not looked at
 std::vector<std::uint32_t> find_outliers(std::span<const Foot> feet, double diagonal, std::optional<double> distance);
 

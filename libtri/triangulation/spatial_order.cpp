@@ -17,7 +17,9 @@ struct KeyedPoint {
   std::uint64_t key;
   std::uint32_t index;
 
-  friend bool operator<(const KeyedPoint& a, const KeyedPoint& b) { return a.key != b.key ? a.key < b.key : a.index < b.index; }
+  friend bool operator<(const KeyedPoint& a, const KeyedPoint& b) {
+    return a.key != b.key ? a.key < b.key : a.index < b.index;
+  }
 };
 
 constexpr int radix_bits = 11;

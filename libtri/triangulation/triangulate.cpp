@@ -37,11 +37,11 @@ constexpr double deflection_share = 1e-3;
 constexpr double deflection_angle = 0.35;  // radians
 constexpr double farthest_share = 0.05;    // of the diagonal: beyond it the points do not belong to the model
 
-constexpr double few_defects =
-    1e-4;  // folded edges and turned triangles per triangle, for `patches` to stand without a contest
+constexpr double few_defects = 1e-4;  // folded edges and turned triangles per triangle, for `patches` to stand without
+                                      // a contest
 
-constexpr double few_bridges = 1e-3;   // of the area, for the same
-constexpr double noise_floor = 1e-5;   // of the diagonal: no closer does a triangle bridge
+constexpr double few_bridges = 1e-3;  // of the area, for the same
+constexpr double noise_floor = 1e-5;  // of the diagonal: no closer does a triangle bridge
 
 /// Notes the time of each step of a triangulation.
 class Stopwatch {
@@ -132,7 +132,8 @@ void to_mesh(const CadModel& model, std::span<const Vec3> points, std::vector<Fo
     pace();
     for (std::uint32_t p : t) used[p] = 1;
   }
-  const std::vector<std::uint32_t> point_of = select_indices(points.size(), [&](std::uint32_t p) { return used[p] != 0; });
+  const std::vector<std::uint32_t> point_of =
+      select_indices(points.size(), [&](std::uint32_t p) { return used[p] != 0; });
   VertexValues values(model, feet, point_of);
   if (last) std::vector<Foot>().swap(feet);
   context.checkpoint();
@@ -187,8 +188,8 @@ struct Candidate {
                few_defects * static_cast<double>(mesh.triangles.size()) &&
            checks.bridging_share <= few_bridges;
   }
-  /// Share of the mesh that is wrong: area that bridges, triangles that cross, and least of all edges that are folded, which
-  /// noise does too.
+  /// Share of the mesh that is wrong: area that bridges, triangles that cross, and least of all edges that are folded,
+  /// which noise does too.
   double defects() const {
     const double count = 4 * static_cast<double>(checks.self_intersections) + static_cast<double>(checks.turned) +
                          0.25 * static_cast<double>(checks.folds);
@@ -207,7 +208,8 @@ void finish(Candidate& candidate, const Measured& measured, const SurfaceTopolog
   const Bridges bridges =
       lessen_bridges(measured.points, measured.feet, measured.registration, tolerance, candidate.mesh, context);
   auto crossings = untangle(measured.points, measured.feet, candidate.mesh, context);
-  if (mend_crossings(measured.points, measured.feet, measured.registration, tolerance, crossings, candidate.mesh, context))
+  if (mend_crossings(measured.points, measured.feet, measured.registration, tolerance, crossings, candidate.mesh,
+                     context))
     crossings = self_intersections(measured.points, candidate.mesh.triangles, context);
   context.checkpoint();
   SurfaceTopology found;
@@ -291,7 +293,8 @@ Candidate connect(const Measured& measured, const TriangulateOptions& options, S
   Candidate shell = by_shell(measured, watch, context);
   if (options.method == Method::automatic) {
     const bool take_shell = shell.better_than(patches);
-    reason = fmt::format("the better of patches ({}) and shell ({})", describe_candidate(patches), describe_candidate(shell));
+    reason = fmt::format("the better of patches ({}) and shell ({})", describe_candidate(patches),
+                         describe_candidate(shell));
     if (!take_shell) return patches;
   } else {
     reason = "asked for";
@@ -315,8 +318,10 @@ void note_checks(const Candidate& candidate, TriangulateResult& result) {
   if (c.folds > 0) result.notes.push_back(fmt::format("{} edges are folded by more than 150 degrees", c.folds));
   if (c.turned > 0) result.notes.push_back(fmt::format("{} triangles face against the model", c.turned));
   if (c.bridging_share > few_bridges)
-    result.notes.push_back(fmt::format("{} triangles, {:.2g}% of the area, stand across the model where its faces got too few "
-                                       "points", c.bridging, 100 * c.bridging_share));
+    result.notes.push_back(
+        fmt::format("{} triangles, {:.2g}% of the area, stand across the model where its faces got too few "
+                    "points",
+                    c.bridging, 100 * c.bridging_share));
   if (c.unused_points > 0) result.notes.push_back(fmt::format("{} points could not be connected", c.unused_points));
 }
 
@@ -341,7 +346,8 @@ void triangulate_sorted(const CadModel& model, const Registration& registration,
   describe_coverage(model, feet, result);
   watch.lap("classify points");
 
-  Candidate best = connect({model, registration, points, feet, result.sigma}, options, watch, result.method_reason, context);
+  Candidate best =
+      connect({model, registration, points, feet, result.sigma}, options, watch, result.method_reason, context);
   result.method = best.method;
   result.checks = best.checks;
   result.steps = std::move(best.steps);

@@ -27,7 +27,9 @@ TriangulationChecks check_triangulation(std::span<const Vec3> points, std::span<
         },
         std::plus<>());
   };
-  const auto dot = [](const std::array<float, 3>& a, const std::array<float, 3>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  const auto dot = [](const std::array<float, 3>& a, const std::array<float, 3>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  };
   checks.turned = count([&](std::size_t t) -> std::uint64_t {
     const Triangle& q = mesh.triangles[t];
     const Vec3 n = (points[q[1]] - points[q[0]]) % (points[q[2]] - points[q[0]]);

@@ -20,7 +20,8 @@ constexpr std::size_t most_flips_a_round = 2000;
 using TriangleBounds = OverlapTree::Box;
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
-/// Works on the triangles around the crossings only: a mesh of millions with a few crossings costs little more than finding them.
+/// Works on the triangles around the crossings only: a mesh of millions with a few crossings costs little more than
+/// finding them.
 class Untangler {
  public:
   /// @param mesh  its triangles are here for as long as this lives
@@ -108,8 +109,8 @@ class Untangler {
     }
   }
 
-  /// Solids that touch cross each other wherever there is noise, in as many places as they have triangles there: no flip
-  /// cures that.
+  /// Solids that touch cross each other wherever there is noise, in as many places as they have triangles there: no
+  /// flip cures that.
   bool within_part(const std::array<std::uint32_t, 2>& pair) {
     return parts_.find(edit_.triangles[pair[0]][0]) == parts_.find(edit_.triangles[pair[1]][0]);
   }
@@ -148,15 +149,15 @@ class Untangler {
   PointMesh& mesh_;
   const Context& context_;
   EditMesh edit_;
-  DisjointSets parts_;  // of vertices that triangles connect
+  DisjointSets parts_;               // of vertices that triangles connect
   std::vector<std::uint32_t> zone_;  // ascending
   std::optional<CrossingSearch> search_;
 };
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 2>> untangle(std::span<const Vec3> points, std::span<const Foot> feet, PointMesh& mesh,
-                                                   const Context& context) {
+std::vector<std::array<std::uint32_t, 2>> untangle(std::span<const Vec3> points, std::span<const Foot> feet,
+                                                   PointMesh& mesh, const Context& context) {
   Pairs pairs = self_intersections(points, mesh.triangles, context);
   if (pairs.empty()) return pairs;
   context.checkpoint();

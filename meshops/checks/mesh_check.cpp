@@ -48,7 +48,8 @@ void count_opposites(const Soup& soup, MeshCheck& check) {
     if (const auto found = first.find(sorted(i)); found != first.end()) found->second = is_even(soup.triangles[i]);
   }
   for (const std::uint32_t i : check.places.duplicate_triangles)
-    check.opposite_duplicates += !repeats_vertex(soup.triangles[i]) && first.at(sorted(i)) != is_even(soup.triangles[i]);
+    check.opposite_duplicates +=
+        !repeats_vertex(soup.triangles[i]) && first.at(sorted(i)) != is_even(soup.triangles[i]);
 }
 
 void judge_shells(const Soup& soup, MeshCheck& check, Context& context) {
@@ -56,8 +57,10 @@ void judge_shells(const Soup& soup, MeshCheck& check, Context& context) {
   find_depths(soup, shells, context);
   for (const Shell& s : shells.shells)
     if (s.closed && s.reversed == 0) {
-      if (is_inside_out(s)) check.inside_out.push_back(s.triangles[0]);
-      else if (s.volume > 0 && s.winding > 0) check.nested_solids.push_back(s.triangles[0]);
+      if (is_inside_out(s))
+        check.inside_out.push_back(s.triangles[0]);
+      else if (s.volume > 0 && s.winding > 0)
+        check.nested_solids.push_back(s.triangles[0]);
     }
   check.components = measure_components(soup, check.places.component_of_triangle, shells);
 }
@@ -129,7 +132,7 @@ MeshCheck check_mesh(const Soup& soup, const MeshCheckOptions& options, Context&
   check.watertight = s.triangles > s.repeated_corners && s.boundary_edges == 0 && s.nonmanifold_edges == 0 &&
                      s.nonmanifold_vertices == 0 && s.misoriented_edges == 0;
   if (s.area > 0)
-    check.kind = !check.watertight             ? SurfaceKind::open_surface
+    check.kind = !check.watertight          ? SurfaceKind::open_surface
                  : check.inside_out.empty() ? SurfaceKind::solid
                                             : SurfaceKind::watertight;
   context.progress("check", 1);
@@ -198,7 +201,10 @@ nlohmann::ordered_json to_json(const MeshCheck& check, std::size_t most) {
   json["components"] = Json::array();
   for (std::size_t i = 0; i < std::min(most, check.components.size()); ++i) {
     const SoupComponent& c = check.components[i];
-    json["components"].push_back({{"triangles", c.triangles}, {"area", c.area}, {"closed", c.closed}, {"volume", c.closed ? Json(c.volume) : Json()}});
+    json["components"].push_back({{"triangles", c.triangles},
+                                  {"area", c.area},
+                                  {"closed", c.closed},
+                                  {"volume", c.closed ? Json(c.volume) : Json()}});
   }
   if (check.components.size() > most) json["components_more"] = check.components.size() - most;
   return json;

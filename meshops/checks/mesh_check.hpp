@@ -38,7 +38,8 @@ struct MeshCheck {
   std::vector<std::uint32_t> needles;  ///< further triangles, below `MeshCheckOptions::needle`
   /// Of `places.duplicate_triangles`, those that face against the first triangle with their corners.
   std::uint64_t opposite_duplicates = 0;
-  /// Vertices at the place of a lower one, with that one. They are no defect by themselves: sheets that touch need them.
+  /// Vertices at the place of a lower one, with that one. They are no defect by themselves: sheets that touch need
+  /// them.
   std::vector<std::array<std::uint32_t, 2>> coincident_vertices;
   /// Places where boundary edges coincide, so that welding would join them.
   std::uint64_t open_seams = 0;
@@ -49,7 +50,8 @@ struct MeshCheck {
   /// The same of those that face outward within solid material. They are no defect: solids in a solid, as of a second
   /// material, though someone may have meant cavities (`orient` makes such of them).
   std::vector<std::uint32_t> nested_solids;
-  /// Pairs of triangles that meet in more than the corners and sides they share; vertices at the same place count as the same.
+  /// Pairs of triangles that meet in more than the corners and sides they share; vertices at the same place count as
+  /// the same.
   std::vector<std::array<std::uint32_t, 2>> self_intersections;
   /// Parts joined over edges, as `soup_components` gives them.
   std::vector<SoupComponent> components;
@@ -58,8 +60,9 @@ struct MeshCheck {
   /// What the whole is called in a verdict.
   SurfaceKind kind = SurfaceKind::none;
 
-  /// The number of defects of each kind that has any, by name: "non-manifold edges" … Needles, coincident vertices and solids
-  /// within solids are none. A boundary loop is one of a mesh that is meant to be closed, which nobody can tell from the mesh.
+  /// The number of defects of each kind that has any, by name: "non-manifold edges" … Needles, coincident vertices and
+  /// solids within solids are none. A boundary loop is one of a mesh that is meant to be closed, which nobody can tell
+  /// from the mesh.
   /// @param boundary_is_wrong whether it is meant to be closed
   std::vector<std::pair<const char*, std::uint64_t>> defects(bool boundary_is_wrong) const;
 };
@@ -67,10 +70,10 @@ struct MeshCheck {
 /// Looks for everything that may be wrong with triangles of any topology; changes nothing.
 ///
 /// Triangles that name a vertex twice have no edges. Non-manifold edges have three triangles or more, non-manifold
-/// vertices more than one fan. A boundary loop that touches itself or another one in a vertex counts as if the fans were
-/// apart there (other tools count what hangs together as one). A shell within others is right if it faces outward, also as a
-/// solid in the cavity of another, or inward as a cavity. That
-/// triangles intersect does not keep a mesh from being a solid. O(N log N), and what the self-intersections cost.
+/// vertices more than one fan. A boundary loop that touches itself or another one in a vertex counts as if the fans
+/// were apart there (other tools count what hangs together as one). A shell within others is right if it faces outward,
+/// also as a solid in the cavity of another, or inward as a cavity. That triangles intersect does not keep a mesh from
+/// being a solid. O(N log N), and what the self-intersections cost.
 /// @throws InvalidInput if the soup is inconsistent; Cancelled.
 MeshCheck check_mesh(const Soup& soup, const MeshCheckOptions& options, Context& context);
 

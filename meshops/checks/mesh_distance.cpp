@@ -76,12 +76,7 @@ class OneSided {
  public:
   OneSided(const Soup& first, const ClosestTriangle& second, const SurfaceSide& side, double diagonal,
            const MeshDistanceOptions& options, Context& context, const std::string& name)
-      : mesh_(first),
-        other_(second),
-        side_(side),
-        diagonal_(diagonal),
-        options_(options),
-        context_(context),
+      : mesh_(first), other_(second), side_(side), diagonal_(diagonal), options_(options), context_(context),
         name_(name) {}
 
   OneSidedDistance run() {
@@ -198,11 +193,10 @@ class OneSided {
       const std::uint64_t left = options_.max_searches > searches ? options_.max_searches - searches : 0;
       const std::uint64_t cuts = left / searches_per_cut;
       if (level.size() > cuts) {
-        std::stable_sort(level.begin(), level.end(),
-                         [&](const Bounded& a, const Bounded& b) {
-                           pace();
-                           return a.bound > b.bound;
-                         });
+        std::stable_sort(level.begin(), level.end(), [&](const Bounded& a, const Bounded& b) {
+          pace();
+          return a.bound > b.bound;
+        });
         if (cuts == 0) {
           result_.max_bound = std::max(result_.max_bound, level.front().bound);
           return;

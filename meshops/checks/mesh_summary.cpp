@@ -20,12 +20,15 @@ struct LinkedSide {
   bool operator<(const LinkedSide& other) const { return key != other.key ? key < other.key : corner < other.corner; }
 };
 
-std::size_t next_corner(std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+std::size_t next_corner(std::size_t corner) {
+  return corner % 3 == 2 ? corner - 2 : corner + 1;
+}
 
 class Summary {
  public:
   Summary(const Soup& soup, MeshPlaces* places, const Context* context)
-      : soup_(soup), places_(places), context_(context), pace_(context), fans_(soup.triangles.size() * 3), parts_(soup.triangles.size()) {}
+      : soup_(soup), places_(places), context_(context), pace_(context), fans_(soup.triangles.size() * 3),
+        parts_(soup.triangles.size()) {}
 
   MeshSummary make() {
     s_.vertices = soup_.points.size();
@@ -128,13 +131,14 @@ class Summary {
     std::vector<std::uint32_t> fans_at(soup_.points.size(), 0);
     for (std::size_t corner = 0; corner < soup_.triangles.size() * 3; ++corner, pace_())
       if (!in_degenerate(corner) && fans_.find(corner) == corner) ++fans_at[vertex(corner)];
-    s_.nonmanifold_vertices =
-        static_cast<std::uint64_t>(std::count_if(fans_at.begin(), fans_at.end(), [](std::uint32_t n) { return n > 1; }));
+    s_.nonmanifold_vertices = static_cast<std::uint64_t>(
+        std::count_if(fans_at.begin(), fans_at.end(), [](std::uint32_t n) { return n > 1; }));
     for (std::uint32_t v = 0; places_ && v < fans_at.size(); ++v)
       if (fans_at[v] > 1) places_->nonmanifold_vertices.push_back(v);
     // Every boundary edge ties two fans together; the chains of fans are the loops.
     DisjointSets chains(soup_.triangles.size() * 3);
-    for (const std::size_t corner : boundary_) pace_(), chains.join(fans_.find(corner), fans_.find(next_corner(corner)));
+    for (const std::size_t corner : boundary_)
+      pace_(), chains.join(fans_.find(corner), fans_.find(next_corner(corner)));
     std::vector<std::size_t> roots;
     for (const std::size_t corner : boundary_) pace_(), roots.push_back(chains.find(fans_.find(corner)));
     std::sort(roots.begin(), roots.end());
@@ -146,7 +150,8 @@ class Summary {
   void follow_loops() {
     std::map<std::size_t, std::vector<std::size_t>> at_fan;  // places in `boundary_`
     for (std::size_t i = 0; i < boundary_.size(); ++i, pace_())
-      for (const std::size_t corner : {boundary_[i], next_corner(boundary_[i])}) at_fan[fans_.find(corner)].push_back(i);
+      for (const std::size_t corner : {boundary_[i], next_corner(boundary_[i])})
+        at_fan[fans_.find(corner)].push_back(i);
     std::vector<char> seen(boundary_.size(), 0);
     for (std::size_t start = 0; start < boundary_.size(); ++start) {
       if (seen[start]) continue;
@@ -166,9 +171,7 @@ class Summary {
       }
     }
   }
-  bool in_degenerate(std::size_t corner) const {
-    return repeats_vertex(soup_.triangles[corner / 3]);
-  }
+  bool in_degenerate(std::size_t corner) const { return repeats_vertex(soup_.triangles[corner / 3]); }
 
   void count_parts() {
     std::vector<std::uint32_t> number(soup_.triangles.size(), none);

@@ -24,15 +24,16 @@ std::uint64_t spread_by_three(std::uint64_t v) {  // bit i to bit 3 i
   return (v | v << 2) & 0x1249249249249249;
 }
 
-// Cells of an octree in Morton order. A point's nearest neighbour is looked for in the 27 cells about it at some level; if it
-// is farther away than a cell is wide, one level up.
+// Cells of an octree in Morton order. A point's nearest neighbour is looked for in the 27 cells about it at some level;
+// if it is farther away than a cell is wide, one level up.
 class Octree {
  public:
   Octree(std::vector<Vec3> places, const Vec3& low, double side) : low_(low), cell_(side / (1 << bits)) {
     entries_.reserve(places.size());
     for (const Vec3& p : places) entries_.push_back({code(indices(p)), p});
-    tbb::parallel_sort(entries_.begin(), entries_.end(),
-                       [](const Entry& a, const Entry& b) { return a.code != b.code ? a.code < b.code : before(a.place, b.place); });
+    tbb::parallel_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
+      return a.code != b.code ? a.code < b.code : before(a.place, b.place);
+    });
     level_ = bits;
     // Coarser until cells hold two points each in the mean.
     while (level_ > 0 && occupied(level_) * 2 > entries_.size()) --level_;
@@ -66,7 +67,8 @@ class Octree {
     return index;
   }
   static std::uint64_t code(const std::array<std::int64_t, 3>& index) {
-    return spread_by_three(std::uint64_t(index[0])) | spread_by_three(std::uint64_t(index[1])) << 1 | spread_by_three(std::uint64_t(index[2])) << 2;
+    return spread_by_three(std::uint64_t(index[0])) | spread_by_three(std::uint64_t(index[1])) << 1 |
+           spread_by_three(std::uint64_t(index[2])) << 2;
   }
 
   std::size_t occupied(int level) const {
@@ -88,10 +90,12 @@ class Octree {
       if (std::any_of(cell.begin(), cell.end(), [&](std::int64_t c) { return c < 0 || c >= cells; })) continue;
       const std::uint64_t first = code(cell) << 3 * down, last = first + (std::uint64_t{1} << 3 * down);
       const auto at = [&](std::uint64_t c) {
-        return std::lower_bound(entries_.begin(), entries_.end(), c, [](const Entry& e, std::uint64_t v) { return e.code < v; });
+        return std::lower_bound(entries_.begin(), entries_.end(), c,
+                                [](const Entry& e, std::uint64_t v) { return e.code < v; });
       };
       for (auto entry = at(first); entry != entries_.end() && entry->code < last; ++entry)
-        if (static_cast<std::size_t>(entry - entries_.begin()) != self) best = std::min(best, (entry->place - p).norm());
+        if (static_cast<std::size_t>(entry - entries_.begin()) != self)
+          best = std::min(best, (entry->place - p).norm());
     }
     return best;
   }
@@ -124,7 +128,8 @@ PointSummary summarize(std::span<const Vec3> points) {
   const Octree tree(std::move(places), s.box_min, (s.box_max - s.box_min).max());
   const std::size_t count = std::min(sampled, tree.size());
   std::vector<double> distances(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { distances[i] = tree.nearest(i * tree.size() / count); });
+  tbb::parallel_for(std::size_t{0}, count,
+                    [&](std::size_t i) { distances[i] = tree.nearest(i * tree.size() / count); });
   std::sort(distances.begin(), distances.end());
   const auto quantile = [&](double share) { return distances[static_cast<std::size_t>(share * double(count - 1))]; };
   s.spacing_5 = quantile(0.05);

@@ -32,7 +32,8 @@ OverlapTree shell_tree(const Soup& soup, std::span<const std::uint32_t> listed, 
   return {std::move(boxes), std::move(items), context};
 }
 
-/// Side of q from p to r in the plane of coordinates `x` and `y`; q counts as moved by (e, e^2) for an infinitely small e.
+/// Side of q from p to r in the plane of coordinates `x` and `y`; q counts as moved by (e, e^2) for an infinitely small
+/// e.
 int moved_orientation(const Vec3& p, const Vec3& r, const Vec3& q, int x, int y) {
   const int sign = orientation_exact(Vec2(p[x], p[y]), Vec2(r[x], r[y]), Vec2(q[x], q[y]));
   if (sign != 0) return sign;
@@ -174,7 +175,8 @@ class ShellFinder {
         pace_();
         const Triangle& t = soup_.triangles[i];
         s.area += area_vector(soup_, t).norm() / 2;
-        const double part = ((soup_.points[t[0]] - origin) | ((soup_.points[t[1]] - origin) % (soup_.points[t[2]] - origin))) / 6;
+        const double part =
+            ((soup_.points[t[0]] - origin) | ((soup_.points[t[1]] - origin) % (soup_.points[t[2]] - origin))) / 6;
         volume += result_.reversed[i] ? -part : part;
       }
       if (s.closed) s.volume = volume;
@@ -209,9 +211,11 @@ InsideTest::Where InsideTest::locate(const Vec3& place) const {
   tree_.overlapping(line, 0, [&](std::uint32_t item) {
     const Triangle& t = soup_.triangles[listed_[item]];
     const Vec3 &a = soup_.points[t[0]], &b = soup_.points[t[1]], &c = soup_.points[t[2]];
-    if (tree_.box(item).lo[0] <= place[0] && orientation_exact(a, b, c, place) == 0 && in_flat(a, b, c, place)) on = true;
+    if (tree_.box(item).lo[0] <= place[0] && orientation_exact(a, b, c, place) == 0 && in_flat(a, b, c, place))
+      on = true;
     const int turn = moved_orientation(a, b, place, x, y);
-    if (turn == 0 || moved_orientation(b, c, place, x, y) != turn || moved_orientation(c, a, place, x, y) != turn) return;
+    if (turn == 0 || moved_orientation(b, c, place, x, y) != turn || moved_orientation(c, a, place, x, y) != turn)
+      return;
     if (orientation_exact(a, b, c, place) == turn) inside = !inside;
   });
   return on ? Where::on : inside ? Where::inside : Where::outside;

@@ -26,9 +26,9 @@ struct Shell {
 /// The shells of a soup and the orientation in which the triangles of each agree.
 struct Shells {
   static constexpr std::uint32_t none = 0xffffffff;  ///< in place of the index of a shell
-  std::vector<Shell> shells;               ///< in the order of their first triangles
-  std::vector<std::uint32_t> of_triangle;  ///< `none` for a triangle that names a vertex twice
-  std::vector<char> reversed;              ///< 1: the triangle has to be turned; the majority of each shell stays
+  std::vector<Shell> shells;                         ///< in the order of their first triangles
+  std::vector<std::uint32_t> of_triangle;            ///< `none` for a triangle that names a vertex twice
+  std::vector<char> reversed;  ///< 1: the triangle has to be turned; the majority of each shell stays
   /// Edges of two triangles that run the same way even so: the shell has only one side (a Moebius strip).
   std::vector<std::array<std::uint32_t, 2>> one_sided;
 };

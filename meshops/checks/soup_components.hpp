@@ -13,9 +13,9 @@ namespace tri {
 struct SoupComponent {
   std::uint64_t triangles = 0;  ///< how many
   double area = 0;              ///< their sum
-  double volume = 0;           ///< enclosed by its closed shells as they are oriented in the majority; signed
-  double absolute_volume = 0;  ///< the same, each shell taken as positive
-  bool closed = true;          ///< every shell of it is closed
+  double volume = 0;            ///< enclosed by its closed shells as they are oriented in the majority; signed
+  double absolute_volume = 0;   ///< the same, each shell taken as positive
+  bool closed = true;           ///< every shell of it is closed
 };
 
 /// @param component_of_triangle as `MeshPlaces` has it

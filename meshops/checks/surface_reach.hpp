@@ -27,7 +27,7 @@ struct ReachOfTriangle {
     undecided  ///< after as many pieces as were allowed
   };
   Verdict verdict = Verdict::within;  ///< of all its places
-  FarPlace far;  ///< its `triangle` is 0
+  FarPlace far;                       ///< its `triangle` is 0
 };
 
 /// Looks for a place of a triangle that is farther than `reach` from a surface.

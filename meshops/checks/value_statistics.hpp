@@ -23,18 +23,18 @@ struct Tolerance {
 
 /// What a list of numbers is like. All in the numbers' own unit; all but `count` are 0 if there is none.
 struct ValueStatistics {
-  std::uint64_t count = 0;        ///< of the numbers
-  double mean = 0;                ///< arithmetic
-  double rms = 0;                 ///< root of the mean square
-  double standard_deviation = 0;  ///< about the mean, over count - 1; 0 for a single value
-  double min = 0;                 ///< least value
-  double max = 0;                 ///< greatest value
-  std::size_t min_index = 0;      ///< where the first value is that is least
-  std::size_t max_index = 0;      ///< where the first value is that is greatest
-  double p5 = 0;                  ///< 5th percentile, interpolated linearly between the sorted values
-  double median = 0;              ///< 50th percentile, likewise
-  double p95 = 0;                 ///< 95th percentile, likewise
-  std::uint64_t in_tolerance = 0;            ///< 0 without a tolerance
+  std::uint64_t count = 0;         ///< of the numbers
+  double mean = 0;                 ///< arithmetic
+  double rms = 0;                  ///< root of the mean square
+  double standard_deviation = 0;   ///< about the mean, over count - 1; 0 for a single value
+  double min = 0;                  ///< least value
+  double max = 0;                  ///< greatest value
+  std::size_t min_index = 0;       ///< where the first value is that is least
+  std::size_t max_index = 0;       ///< where the first value is that is greatest
+  double p5 = 0;                   ///< 5th percentile, interpolated linearly between the sorted values
+  double median = 0;               ///< 50th percentile, likewise
+  double p95 = 0;                  ///< 95th percentile, likewise
+  std::uint64_t in_tolerance = 0;  ///< 0 without a tolerance
 };
 
 /// Sums run over blocks of fixed size that are merged in order by the update formulas of Chan, Golub & LeVeque (1983),

@@ -24,7 +24,7 @@ namespace {
 
 constexpr int random_directions = 48;
 constexpr double least_share = 0x1p-16;  ///< of the way that is allowed: the first try, or a step of a float
-constexpr double longer = 2;  ///< each try than the one before
+constexpr double longer = 2;             ///< each try than the one before
 
 class Parter {
  public:
@@ -105,7 +105,8 @@ class Parter {
       normal += normals.back();
       for (const Vec3& p : corners(t)) middle += p - from;
     }
-    std::vector<Vec3> directions{-normal, middle, middle - normal * (middle.norm() / std::max(normal.norm(), 1e-300)), normal};
+    std::vector<Vec3> directions{-normal, middle, middle - normal * (middle.norm() / std::max(normal.norm(), 1e-300)),
+                                 normal};
     RandomStream random(v + 1);
     for (int i = 0; i < random_directions; ++i) {
       Vec3 d(0, 0, 0);
@@ -152,7 +153,7 @@ class Parter {
   Soup& soup_;
   const double farthest_;
   Context& context_;
-  std::vector<std::uint32_t> name_;  ///< of vertices: the same for those in one place
+  std::vector<std::uint32_t> name_;       ///< of vertices: the same for those in one place
   NumberMap<Place, PlaceHash> in_place_;  ///< places that vertices have or had
   const OverlapTree tree_;
 };

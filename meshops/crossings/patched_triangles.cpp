@@ -19,7 +19,8 @@ bool has_side(const Triangle& t, std::uint32_t from, std::uint32_t to) {
 }  // namespace
 
 PatchedTriangles::PatchedTriangles(const Soup& soup, const Context* context)
-    : context_(context), points_(soup.points), triangles_(soup.triangles), there_(soup.triangles.size(), 1), given_(size()) {
+    : context_(context), points_(soup.points), triangles_(soup.triangles), there_(soup.triangles.size(), 1),
+      given_(size()) {
   Pace pace(context);
   const std::vector<std::uint32_t> same = points_at_same_place(points_, context);
   first_.assign(points_.size() + 1, 0);
@@ -92,8 +93,7 @@ int PatchedTriangles::crossings(const Triangle& corners) const {
     if (!box.beside(other) && triangle_has_area(other[0], other[1], other[2]))
       count += triangles_meet(corners, at, triangles_[t], other);
   };
-  for (const Level& level : levels_)
-    level.tree.meeting(box, [&](std::uint32_t item) { look(level.first + item); });
+  for (const Level& level : levels_) level.tree.meeting(box, [&](std::uint32_t item) { look(level.first + item); });
   for (std::uint32_t t = levels_.back().end; t < size(); ++t) look(t);
   return count;
 }

@@ -45,8 +45,8 @@ class PatchedTriangles {
   /// Takes those with this number and above away for good, which were added last.
   void forget_from(std::uint32_t first);
 
-  /// The triangle beyond side k of one (from corner k to the next), if exactly two are there and run along it in opposite
-  /// directions; else `none`.
+  /// The triangle beyond side k of one (from corner k to the next), if exactly two are there and run along it in
+  /// opposite directions; else `none`.
   std::uint32_t beyond(std::uint32_t t, std::size_t k) const;
   /// Calls `visit(t)` for each triangle there with this corner.
   template <class Visit>
@@ -58,8 +58,8 @@ class PatchedTriangles {
         if (there_[t]) visit(t);
   }
 
-  /// How many triangles there a further one would meet in more than the corners or the side that they share; 0 if it has
-  /// no area. Exact.
+  /// How many triangles there a further one would meet in more than the corners or the side that they share; 0 if it
+  /// has no area. Exact.
   int crossings(const Triangle& corners) const;
 
  private:

@@ -206,7 +206,8 @@ int in_circle_exact(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) 
 
 int orientation_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   double largest[3];
-  for (int k = 0; k < 3; ++k) largest[k] = std::max({std::abs(a[k] - d[k]), std::abs(b[k] - d[k]), std::abs(c[k] - d[k])});
+  for (int k = 0; k < 3; ++k)
+    largest[k] = std::max({std::abs(a[k] - d[k]), std::abs(b[k] - d[k]), std::abs(c[k] - d[k])});
   if (largest[0] == 0 || largest[1] == 0 || largest[2] == 0) return 0;  // in one plane across an axis
   const double size = largest[0] * largest[1] * largest[2];
   if (size > 1e-200 && size < 1e200) {  // far from underflow and overflow

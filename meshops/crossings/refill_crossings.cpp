@@ -20,8 +20,8 @@ namespace {
 
 constexpr int most_rings = 3;
 constexpr std::size_t most_patches_alone = 6;  ///< of a place: with more of them only all together are tried
-constexpr std::size_t most_triangles = 2000;  ///< of what is cut out at one place
-constexpr std::size_t most_to_untangle = 10;  ///< half of it, and one for every second edge
+constexpr std::size_t most_triangles = 2000;   ///< of what is cut out at one place
+constexpr std::size_t most_to_untangle = 10;   ///< half of it, and one for every second edge
 constexpr int dynamic_edges = 64;
 constexpr std::size_t reach_pieces = 20'000;  ///< flat ones, much larger than what is allowed, take many
 
@@ -34,7 +34,9 @@ struct Rim {
   std::vector<std::size_t> sides;  ///< of those triangles
 };
 
-bool holds(const Patch& patch, std::uint32_t t) { return std::ranges::binary_search(patch, t); }
+bool holds(const Patch& patch, std::uint32_t t) {
+  return std::ranges::binary_search(patch, t);
+}
 
 class Refiller {
  public:
@@ -301,7 +303,8 @@ class Refiller {
       const FillingCrossings found = find_crossings(ring.points, surroundings, filling.triangles, context_);
       std::size_t crossings = found.count;
       // Where more crosses, the rim does, which no filling helps.
-      if (strategy == HoleStrategy::least_bending && crossings > 0 && 2 * crossings <= most_to_untangle + ring.points.size())
+      if (strategy == HoleStrategy::least_bending && crossings > 0 &&
+          2 * crossings <= most_to_untangle + ring.points.size())
         crossings = untangle_filling(ring, surroundings, found, filling.triangles, context_);
       if (crossings > 0) {
         reason = std::max(reason, PlaceLeft::Reason::crosses);
@@ -328,8 +331,10 @@ class Refiller {
       triangles.push_back({n, n + 1, n + 2});
     }
     for (const RingTriangle& t : filling)
-      filled.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
-    const auto within = [&](const std::vector<Vec3>& from, const std::vector<Triangle>& these, const ClosestTriangle& to) {
+      filled.push_back(
+          {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
+    const auto within = [&](const std::vector<Vec3>& from, const std::vector<Triangle>& these,
+                            const ClosestTriangle& to) {
       std::uint32_t hint = 0;
       return std::ranges::all_of(these, [&](const Triangle& t) {
         context_.checkpoint();
@@ -341,7 +346,8 @@ class Refiller {
            within(ring.points, filled, ClosestTriangle(points, triangles));
   }
 
-  /// Adds a triangle. Its values come from the triangle of the patch at the rim with which it has most corners in common.
+  /// Adds a triangle. Its values come from the triangle of the patch at the rim with which it has most corners in
+  /// common.
   void take(const Rim& rim, const RingTriangle& t, const Triangle& named) {
     NewTriangle fresh{};
     std::ptrdiff_t most = 0;

@@ -24,10 +24,10 @@ namespace {
 
 using BlockBox = OverlapTree::Box;
 
-/// Triangles sorted along a space-filling curve and cut into blocks; a tree holds the blocks' boxes, and within two overlapping
-/// blocks every pair of boxes is compared on a grid of 16 bits, which the compiler does eight at a time: places keep their
-/// order when they are rounded to the grid, so no pair that overlaps is missed. Searching for each triangle on its own
-/// costs three times as much.
+/// Triangles sorted along a space-filling curve and cut into blocks; a tree holds the blocks' boxes, and within two
+/// overlapping blocks every pair of boxes is compared on a grid of 16 bits, which the compiler does eight at a time:
+/// places keep their order when they are rounded to the grid, so no pair that overlaps is missed. Searching for each
+/// triangle on its own costs three times as much.
 class Blocks {
  public:
   Blocks(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context& context) {
@@ -41,17 +41,19 @@ class Blocks {
     };
     std::vector<KeyedIndex> order(triangles.size());
     constexpr std::uint32_t no_area = std::uint32_t{1} << 30;
-    tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(triangles.size()), 4096), [&](const auto& range) {
-      context.checkpoint();
-      for (std::uint32_t t = range.begin(); t < range.end(); ++t) {
-        const Vec3 &a = points[triangles[t][0]], &b = points[triangles[t][1]], &c = points[triangles[t][2]];
-        std::uint32_t key = 0;
-        for (int k = 0; k < 3; ++k) key |= spread_bits(on_grid(a, k) >> 6) << k;
-        // Triangles without area come last and are left out.
-        if (!triangle_has_area(a, b, c)) key = no_area;
-        order[t] = {key, t};
-      }
-    });
+    tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(triangles.size()), 4096),
+                      [&](const auto& range) {
+                        context.checkpoint();
+                        for (std::uint32_t t = range.begin(); t < range.end(); ++t) {
+                          const Vec3 &a = points[triangles[t][0]], &b = points[triangles[t][1]],
+                                     &c = points[triangles[t][2]];
+                          std::uint32_t key = 0;
+                          for (int k = 0; k < 3; ++k) key |= spread_bits(on_grid(a, k) >> 6) << k;
+                          // Triangles without area come last and are left out.
+                          if (!triangle_has_area(a, b, c)) key = no_area;
+                          order[t] = {key, t};
+                        }
+                      });
     context.checkpoint();
     sort_by_key(order, 31);
     context.checkpoint();
@@ -97,8 +99,8 @@ class Blocks {
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(blocks_.size()); }
 
-  /// Calls `visit(t, corners of t, u, corners of u)` for every pair of triangles with overlapping boxes, one in block `b`, the
-  /// other in it or a later one; and for some whose boxes nearly do.
+  /// Calls `visit(t, corners of t, u, corners of u)` for every pair of triangles with overlapping boxes, one in block
+  /// `b`, the other in it or a later one; and for some whose boxes nearly do.
   template <class Visit>
   void overlapping_pairs(std::uint32_t b, Visit visit) const {
     const Block& own = blocks_[b];
@@ -138,8 +140,9 @@ class Blocks {
     const auto [hx, hy, hz] = with.high;
     std::array<std::uint8_t, block_size> hit;  // 0 or 1
     for (std::size_t j = 0; j < block_size; ++j) {
-      const auto apart = static_cast<std::int16_t>(-((block.low[0][j] > hx) | (block.low[1][j] > hy) | (block.low[2][j] > hz) |
-                                                     (block.high[0][j] < lx) | (block.high[1][j] < ly) | (block.high[2][j] < lz)));
+      const auto apart =
+          static_cast<std::int16_t>(-((block.low[0][j] > hx) | (block.low[1][j] > hy) | (block.low[2][j] > hz) |
+                                      (block.high[0][j] < lx) | (block.high[1][j] < ly) | (block.high[2][j] < lz)));
       hit[j] = static_cast<std::uint8_t>(apart + 1);
     }
     std::uint32_t bits = 0;
@@ -160,7 +163,8 @@ class Blocks {
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec3> points, std::span<const Triangle> triangles,
+std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec3> points,
+                                                             std::span<const Triangle> triangles,
                                                              const Context& context, Neighbors neighbors) {
   using Pairs = std::vector<std::array<std::uint32_t, 2>>;
   tbb::enumerable_thread_specific<Pairs> found;
@@ -176,7 +180,8 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec
           bool joined = false;  // without branches, since nobody can predict which corners are the same
           for (std::uint32_t v : q) joined |= (v == r[0]) | (v == r[1]) | (v == r[2]);
           if (joined && neighbors == Neighbors::skip) return;
-          const std::array<Vec3, 3> at_q{points[q[0]], points[q[1]], points[q[2]]}, at_r{points[r[0]], points[r[1]], points[r[2]]};
+          const std::array<Vec3, 3> at_q{points[q[0]], points[q[1]], points[q[2]]},
+              at_r{points[r[0]], points[r[1]], points[r[2]]};
           if (joined ? triangles_meet(q, at_q, r, at_r) : triangles_intersect(at_q, at_r))
             mine.push_back({std::min(t, u), std::max(t, u)});
         });

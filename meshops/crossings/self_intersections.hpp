@@ -25,7 +25,8 @@ enum class Neighbors {
 /// @param points     mm or any unit; finite
 /// @param triangles  indices below points.size()
 /// @throws Cancelled at the granularity of 1024 triangles
-std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec3> points, std::span<const Triangle> triangles,
+std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Vec3> points,
+                                                             std::span<const Triangle> triangles,
                                                              const Context& context,
                                                              Neighbors neighbors = Neighbors::skip);
 

@@ -13,7 +13,8 @@
 namespace tri {
 namespace {
 
-std::vector<Triangle> by_place(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context& context) {
+std::vector<Triangle> by_place(std::span<const Vec3> points, std::span<const Triangle> triangles,
+                               const Context& context) {
   Pace pace(context);
   const std::vector<std::uint32_t> same = points_at_same_place(points, &context);
   std::vector<Triangle> welded(triangles.begin(), triangles.end());
@@ -26,7 +27,8 @@ std::vector<Triangle> by_place(std::span<const Vec3> points, std::span<const Tri
 
 bool is_closed_manifold(std::span<const Triangle> triangles, std::size_t points, Context& context) {
   const SidePairs pairs = pair_sides(triangles, points, context);
-  return pairs.crowded.empty() && pairs.same_way.empty() && std::ranges::find(pairs.twin, SidePairs::none) == pairs.twin.end() &&
+  return pairs.crowded.empty() && pairs.same_way.empty() &&
+         std::ranges::find(pairs.twin, SidePairs::none) == pairs.twin.end() &&
          vertices_with_several_fans(triangles, points, pairs.twin, context).empty();
 }
 
@@ -79,7 +81,8 @@ bool is_clean_solid(const Soup& soup, bool apart, Context& context) {
   if (!is_closed_manifold(soup.triangles, soup.points.size(), context)) return false;
   if (apart) {
     const std::vector<Triangle> welded = by_place(soup.points, soup.triangles, context);
-    if (std::ranges::any_of(welded, repeats_vertex) || !is_closed_manifold(welded, soup.points.size(), context)) return false;
+    if (std::ranges::any_of(welded, repeats_vertex) || !is_closed_manifold(welded, soup.points.size(), context))
+      return false;
   }
   return faces_outward(soup, context) && surface_contacts(soup.points, soup.triangles, context).none();
 }

@@ -12,8 +12,9 @@ namespace tri {
 
 /// What keeps triangles from bounding a solid geometrically.
 struct SurfaceContacts {
-  std::vector<std::uint32_t> flat;                         ///< triangles without area
-  std::vector<std::array<std::uint32_t, 2>> crossing;      ///< pairs that meet in more than the corners and sides they share
+  std::vector<std::uint32_t> flat;                     ///< triangles without area
+  std::vector<std::array<std::uint32_t, 2>> crossing;  ///< pairs that meet in more than the corners and sides they
+                                                       ///< share
   bool none() const { return flat.empty() && crossing.empty(); }
 };
 
@@ -25,9 +26,9 @@ SurfaceContacts surface_contacts(std::span<const Vec3> points, std::span<const T
 /// @param context  null: cannot be cancelled @throws Cancelled
 std::vector<std::uint32_t> touching_vertices(const Soup& soup, const Context* context = nullptr);
 
-/// Whether the triangles, as they are, bound a solid: closed, manifold, coherently oriented, every shell outward or a cavity in
-/// another one, without crossings and without triangles that have no area. Exact but for the sign of the volumes. A soup
-/// without triangles is none.
+/// Whether the triangles, as they are, bound a solid: closed, manifold, coherently oriented, every shell outward or a
+/// cavity in another one, without crossings and without triangles that have no area. Exact but for the sign of the
+/// volumes. A soup without triangles is none.
 /// @param apart  vertices in the same place count as the same also for being manifold, as in a file without indices
 /// @throws Cancelled
 bool is_clean_solid(const Soup& soup, bool apart, Context& context);

@@ -18,7 +18,8 @@
 namespace tri {
 namespace {
 
-constexpr double cutting_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
+constexpr double cutting_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross
+                                                 ///< again
 constexpr int cutting_passes = 3;
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
@@ -30,7 +31,8 @@ struct OnGrid {
   std::vector<std::uint32_t> point;   ///< of each vertex of the soup: that of the complex
   std::vector<std::uint32_t> vertex;  ///< of each point of the complex at first: a vertex that it is
 
-  OnGrid(const Soup& soup, const Context& context) : frame(soup, GridFrame::doubles), point(soup.points.size(), no_index) {
+  OnGrid(const Soup& soup, const Context& context)
+      : frame(soup, GridFrame::doubles), point(soup.points.size(), no_index) {
     Pace pace(context);
     NumberMap<GridPoint, GridHash> numbers(soup.points.size());
     for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
@@ -58,8 +60,9 @@ TrianglePieces pieces_of(const Soup& soup, const OnGrid& grid, bool restore, con
   for (std::uint32_t v = 0; v < soup.points.size(); ++v) {
     pace();
     pieces.original.push_back(v);
-    pieces.places.push_back(restore || grid.point[v] == no_index ? soup.points[v]
-                                                                 : grid.frame.to_space(grid.complex.points[grid.point[v]]));
+    pieces.places.push_back(restore || grid.point[v] == no_index
+                                ? soup.points[v]
+                                : grid.frame.to_space(grid.complex.points[grid.point[v]]));
   }
   for (std::size_t p = grid.vertex.size(); p < grid.complex.points.size(); ++p) {
     pieces.original.push_back(no_index);
@@ -173,14 +176,15 @@ SplitReport split_crossings(Soup& soup, std::size_t crossing, double farthest, R
   Soup work = soup;
   for (int pass = 0; pass < cutting_passes && result.left > 0 && result.undone == 0; ++pass) {
     OnGrid grid(work, context);
-    const CrossingReport cut =
-        resolve_crossings(grid.complex, grid.frame.steps_in(cutting_reach_share), farthest / grid.frame.step(), context);
+    const CrossingReport cut = resolve_crossings(grid.complex, grid.frame.steps_in(cutting_reach_share),
+                                                 farthest / grid.frame.step(), context);
     TrianglePieces pieces = pieces_of(work, grid, true, context);
     Pairs now = crossings(pieces, context);
     if (!now.empty()) move_to_grid(pieces_of(work, grid, false, context), pieces, now, context);
     std::size_t undone = 0;
     if (!now.empty()) {
-      undone = undo_where_no_better(work, surface_contacts(work.points, work.triangles, context).crossing, now, pieces, context);
+      undone = undo_where_no_better(work, surface_contacts(work.points, work.triangles, context).crossing, now, pieces,
+                                    context);
       if (undone > 0) now = crossings(pieces, context);
     }
     if (now.size() >= result.left) break;

@@ -16,10 +16,10 @@ struct SplitReport {
   std::size_t left = 0;    ///< pairs of triangles that cross at the end
 };
 
-/// Cuts triangles along each other where they cross (`resolve_crossings`) and rounds to a grid of 2^-28 of the extent; all
-/// pieces stay. Vertices that were there keep their coordinates, unless that makes their triangles cross: then they move to the grid,
-/// too. A place, which is what hangs together by crossing and by sides of triangles that were cut, is left alone where as many
-/// pairs would cross afterwards as before. Where fewer would, but some, it is done again.
+/// Cuts triangles along each other where they cross (`resolve_crossings`) and rounds to a grid of 2^-28 of the extent;
+/// all pieces stay. Vertices that were there keep their coordinates, unless that makes their triangles cross: then they
+/// move to the grid, too. A place, which is what hangs together by crossing and by sides of triangles that were cut, is
+/// left alone where as many pairs would cross afterwards as before. Where fewer would, but some, it is done again.
 ///
 /// @param crossing  how many pairs cross (`surface_contacts`), not 0
 /// @param farthest  model units: no vertex moves farther

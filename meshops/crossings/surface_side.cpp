@@ -20,8 +20,7 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
 }  // namespace
 
 SurfaceSide::SurfaceSide(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context* context)
-    : points_(points.begin(), points.end()),
-      triangles_(triangles.begin(), triangles.end()),
+    : points_(points.begin(), points.end()), triangles_(triangles.begin(), triangles.end()),
       vertex_normals_(points.size(), Vec3(0, 0, 0)) {
   Pace pace(context);
   const std::vector<std::uint32_t> lowest = points_at_same_place(points_, context);

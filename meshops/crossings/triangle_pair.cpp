@@ -72,7 +72,8 @@ bool flat_segment_meets(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>&
   const auto [x, y] = view_of(t);
   const int turn = turn_of(t[0], t[1], t[2], x, y);
   for (int k = 0; k < 3; ++k)
-    if (turn_of(t[k], t[(k + 1) % 3], p, x, y) * turn < 0 && turn_of(t[k], t[(k + 1) % 3], q, x, y) * turn < 0) return false;
+    if (turn_of(t[k], t[(k + 1) % 3], p, x, y) * turn < 0 && turn_of(t[k], t[(k + 1) % 3], q, x, y) * turn < 0)
+      return false;
   int left = 0, right = 0;
   for (int k = 0; k < 3; ++k) {
     const int side = turn_of(p, q, t[k], x, y);
@@ -150,7 +151,8 @@ bool triangles_meet(const std::array<std::uint32_t, 3>& t, const std::array<Vec3
   if (shared == 2)
     return wings_overlap(at_t[in_t[0]], at_t[in_t[1]], at_t[3 - in_t[0] - in_t[1]], at_u[3 - in_u[0] - in_u[1]]);
   const std::size_t i = in_t[0], j = in_u[0];
-  return fans_intersect({at_t[i], at_t[(i + 1) % 3], at_t[(i + 2) % 3]}, {at_u[j], at_u[(j + 1) % 3], at_u[(j + 2) % 3]});
+  return fans_intersect({at_t[i], at_t[(i + 1) % 3], at_t[(i + 2) % 3]},
+                        {at_u[j], at_u[(j + 1) % 3], at_u[(j + 2) % 3]});
 }
 
 }  // namespace tri

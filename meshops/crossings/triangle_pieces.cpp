@@ -26,7 +26,8 @@ std::uint32_t add_point_in(Soup& soup, const Triangle& t, const Vec3& p) {
 
 }  // namespace
 
-std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report, const Context& context) {
+std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& pieces, Report& report,
+                                             const Context& context) {
   Pace pace(context);
   const std::vector<Vec3>& places = pieces.places;
   const std::size_t old_points = soup.points.size(), old_triangles = soup.triangles.size();
@@ -74,8 +75,10 @@ std::vector<std::uint32_t> replace_by_pieces(Soup& soup, const TrianglePieces& p
   for (std::size_t v = 0; v < name.size(); ++v) {
     pace();
     if (name[v] == no_index) continue;
-    if (name[v] < old_points) report.vertices_moved += soup.points[name[v]] != places[v];
-    else ++report.vertices_added;
+    if (name[v] < old_points)
+      report.vertices_moved += soup.points[name[v]] != places[v];
+    else
+      ++report.vertices_added;
   }
   for (const auto& [t, source] : fresh) pace(), add_triangle_in(soup, t, source);
   for (std::size_t v = 0; v < name.size(); ++v)

@@ -158,8 +158,8 @@ void inherit_face_values(MeshView view, const std::vector<HalfedgeHandle>& halfe
 
 /// Gives the corners of new faces the values of the nearest corner of the mesh at the same vertex, counted in faces
 /// around it; of two as near that beyond the next side.
-void inherit_corner_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge,
-                           int first_face, Pace& pace) {
+void inherit_corner_values(OpenMesh::TriConnectivity& mesh, const std::vector<HalfedgeHandle>& halfedge, int first_face,
+                           Pace& pace) {
   bool any = false;
   for_each_corner_property(mesh, [&](OpenMesh::BaseProperty&) { any = true; });
   if (!any) return;
@@ -254,7 +254,8 @@ FitResult check_faces(MeshView view, std::span<const VertexTriple> triangles, co
   return FitResult::fits;
 }
 
-FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added, const Context* context) {
+FitResult add_faces(MeshView view, std::span<const VertexTriple> triangles, std::vector<FaceHandle>* added,
+                    const Context* context) {
   Pace pace(context);
   const FitResult result = check_faces(view, triangles, context);
   if (result != FitResult::fits || triangles.empty()) return result;

@@ -7,9 +7,7 @@
 namespace tri {
 
 ChangeRecorder::ChangeRecorder(MeshView mesh, Recording recording, bool temporary_positions)
-    : view_(mesh),
-      parent_(mesh.recorder),
-      keep_values_(recording == Recording::undoable),
+    : view_(mesh), parent_(mesh.recorder), keep_values_(recording == Recording::undoable),
       temporary_(temporary_positions ? mesh.position_property.idx() : -1) {
   const auto& m = mesh.mesh;
   if (!m.has_vertex_status() || !m.has_edge_status() || !m.has_halfedge_status() || !m.has_face_status())
@@ -21,7 +19,8 @@ ChangeRecorder::ChangeRecorder(MeshView mesh, Recording recording, bool temporar
 ChangeRecorder::~ChangeRecorder() = default;
 
 void ChangeRecorder::begin_delta() {
-  delta_ = std::make_unique<DeltaSegment>(view_.mesh, view_.policy->types(), view_.position_property.idx(), temporary_, keep_values_);
+  delta_ = std::make_unique<DeltaSegment>(view_.mesh, view_.policy->types(), view_.position_property.idx(), temporary_,
+                                          keep_values_);
 }
 
 ChangeSet ChangeRecorder::finish(const Context* context) {

@@ -18,11 +18,11 @@ enum class Recording {
   notes_only,  ///< what changed, without the values of properties
 };
 
-/// Keeps what the functions of mesh_edit are about to change, from the time it is made until `finish`, for whoever works
-/// through its `view`. Costs nothing where nothing changes, and memory in proportion to what does.
+/// Keeps what the functions of mesh_edit are about to change, from the time it is made until `finish`, for whoever
+/// works through its `view`. Costs nothing where nothing changes, and memory in proportion to what does.
 ///
-/// Properties whose type is known to the view's policy are kept value by value. A property of any other type is copied as a
-/// whole when the first of its values is about to change, and when an undo takes elements away: O(elements) each.
+/// Properties whose type is known to the view's policy are kept value by value. A property of any other type is copied
+/// as a whole when the first of its values is about to change, and when an undo takes elements away: O(elements) each.
 ///
 /// A recording inside another is told to both.
 class ChangeRecorder {
@@ -48,19 +48,19 @@ class ChangeRecorder {
 
   // What mesh_edit announces. Whoever writes to a mesh by other means must announce it too, before it happens; elements
   // that are new since the recording began need not be, but may.
-  void links(VertexHandle v);                      ///< its outgoing half-edge
-  void links(EdgeHandle e);                        ///< any link of its half-edges
-  void links(FaceHandle f);                        ///< its half-edge, or which corners it has
-  void point(VertexHandle v);                      ///< its position
-  void status(VertexHandle v);                     ///< its status bits
-  void status(EdgeHandle e);                       ///< and of its half-edges
-  void status(FaceHandle f);                       ///< its status bits
-  void values(ElementKind kind, int index);        ///< its properties, but for position and status
-  void corner(HalfedgeHandle h);                   ///< its corner values
-  void property(ElementKind kind, int slot);       ///< a property as a whole
+  void links(VertexHandle v);                        ///< its outgoing half-edge
+  void links(EdgeHandle e);                          ///< any link of its half-edges
+  void links(FaceHandle f);                          ///< its half-edge, or which corners it has
+  void point(VertexHandle v);                        ///< its position
+  void status(VertexHandle v);                       ///< its status bits
+  void status(EdgeHandle e);                         ///< and of its half-edges
+  void status(FaceHandle f);                         ///< its status bits
+  void values(ElementKind kind, int index);          ///< its properties, but for position and status
+  void corner(HalfedgeHandle h);                     ///< its corner values
+  void property(ElementKind kind, int slot);         ///< a property as a whole
   void remove_property(ElementKind kind, int slot);  ///< takes it out of the mesh
-  void begin_whole();                              ///< everything, until `end_whole`
-  void end_whole();                                ///< the change of everything is complete
+  void begin_whole();                                ///< everything, until `end_whole`
+  void end_whole();                                  ///< the change of everything is complete
 
  private:
   DeltaSegment& delta() { return *delta_; }

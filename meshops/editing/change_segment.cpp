@@ -5,7 +5,8 @@ namespace {
 
 template <class Iterator>
 std::span<OpenMesh::BaseProperty*> span_of(Iterator begin, Iterator end) {
-  return begin == end ? std::span<OpenMesh::BaseProperty*>() : std::span(&*begin, static_cast<std::size_t>(end - begin));
+  return begin == end ? std::span<OpenMesh::BaseProperty*>()
+                      : std::span(&*begin, static_cast<std::size_t>(end - begin));
 }
 
 }  // namespace

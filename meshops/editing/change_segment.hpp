@@ -12,24 +12,34 @@ namespace tri {
 /// The kinds of elements that have properties; the mesh itself has one value of each.
 enum class ElementKind { vertex, edge, halfedge, face, mesh };
 /// All of them, to loop over.
-inline constexpr std::array element_kinds{ElementKind::vertex, ElementKind::edge, ElementKind::halfedge, ElementKind::face,
-                                          ElementKind::mesh};
+inline constexpr std::array element_kinds{ElementKind::vertex, ElementKind::edge, ElementKind::halfedge,
+                                          ElementKind::face, ElementKind::mesh};
 
 /// The kind that a handle to a property of vertices is of.
 template <class T>
-ElementKind kind_of(OpenMesh::VPropHandleT<T>) { return ElementKind::vertex; }
+ElementKind kind_of(OpenMesh::VPropHandleT<T>) {
+  return ElementKind::vertex;
+}
 /// The kind that a handle to a property of edges is of.
 template <class T>
-ElementKind kind_of(OpenMesh::EPropHandleT<T>) { return ElementKind::edge; }
+ElementKind kind_of(OpenMesh::EPropHandleT<T>) {
+  return ElementKind::edge;
+}
 /// The kind that a handle to a property of half-edges is of.
 template <class T>
-ElementKind kind_of(OpenMesh::HPropHandleT<T>) { return ElementKind::halfedge; }
+ElementKind kind_of(OpenMesh::HPropHandleT<T>) {
+  return ElementKind::halfedge;
+}
 /// The kind that a handle to a property of faces is of.
 template <class T>
-ElementKind kind_of(OpenMesh::FPropHandleT<T>) { return ElementKind::face; }
+ElementKind kind_of(OpenMesh::FPropHandleT<T>) {
+  return ElementKind::face;
+}
 /// The kind that a handle to a property of the mesh itself is of.
 template <class T>
-ElementKind kind_of(OpenMesh::MPropHandleT<T>) { return ElementKind::mesh; }
+ElementKind kind_of(OpenMesh::MPropHandleT<T>) {
+  return ElementKind::mesh;
+}
 
 /// The properties of a kind by slot, the index in their handles; null where there is none.
 std::span<OpenMesh::BaseProperty*> property_slots(OpenMesh::TriConnectivity& mesh, ElementKind kind);

@@ -7,8 +7,8 @@
 namespace tri {
 
 bool ChangeNotes::empty() const {
-  return vertices.empty() && edges.empty() && faces.empty() && vertices_moved.empty() && !renumbered && properties_added.empty() &&
-         properties_removed.empty() && properties_rewritten.empty();
+  return vertices.empty() && edges.empty() && faces.empty() && vertices_moved.empty() && !renumbered &&
+         properties_added.empty() && properties_removed.empty() && properties_rewritten.empty();
 }
 
 ChangeNotes ChangeNotes::inverse() const {
@@ -18,13 +18,16 @@ ChangeNotes ChangeNotes::inverse() const {
   return result;
 }
 
-ChangeSet::ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments, ChangeNotes notes)
+ChangeSet::ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments,
+                     ChangeNotes notes)
     : mesh_(&mesh), segments_(std::move(segments)), notes_(std::move(notes)) {}
 
 void ChangeSet::check(OpenMesh::TriConnectivity& mesh, bool undo) const {
   const char* const verb = undo ? "undo" : "redo";
-  if (undone_ == undo) throw InvalidInput(fmt::format("cannot {}: the change is {}undone", verb, undo ? "already " : "not "));
-  if (mesh_ && &mesh != mesh_) throw InvalidInput(fmt::format("cannot {}: the change was recorded on another mesh", verb));
+  if (undone_ == undo)
+    throw InvalidInput(fmt::format("cannot {}: the change is {}undone", verb, undo ? "already " : "not "));
+  if (mesh_ && &mesh != mesh_)
+    throw InvalidInput(fmt::format("cannot {}: the change was recorded on another mesh", verb));
   if (segments_.empty()) return;
   const std::string why = (undo ? segments_.back() : segments_.front())->mismatch(mesh);
   if (!why.empty()) throw InvalidInput(fmt::format("cannot {}: {}", verb, why));

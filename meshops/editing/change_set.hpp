@@ -13,8 +13,9 @@
 
 namespace tri {
 
-/// What operators did to a mesh, to be undone and done again: links, positions, status and all properties, bit for bit, with
-/// the same handles in the same order. An undo takes elements that were added away from the end; a redo brings them back.
+/// What operators did to a mesh, to be undone and done again: links, positions, status and all properties, bit for bit,
+/// with the same handles in the same order. An undo takes elements that were added away from the end; a redo brings
+/// them back.
 ///
 ///     ChangeSet change = record(mesh, fill_holes, {.max_edges = 50}, context);
 ///     upload(change.notes());
@@ -22,20 +23,24 @@ namespace tri {
 ///     change.redo(mesh);
 ///
 /// Several on a stack are undone last first. Undo and redo cost what changed, not what the mesh has; only `compact` and
-/// properties of unknown types (see ChangeRecorder) cost the whole mesh. It belongs to one mesh, at one address, which must
-/// outlive every call; otherwise nothing is shared, so change sets of different meshes may be used on different threads.
+/// properties of unknown types (see ChangeRecorder) cost the whole mesh. It belongs to one mesh, at one address, which
+/// must outlive every call; otherwise nothing is shared, so change sets of different meshes may be used on different
+/// threads.
 ///
-/// Between the operators and an undo (or an undo and a redo), an editor may change values of properties, select, and add
-/// properties; the undo gives touched elements the values and the selection that they had. It must not move, delete or link
-/// touched elements, add or remove elements, or remove properties that hold kept values: undo and redo refuse that.
+/// Between the operators and an undo (or an undo and a redo), an editor may change values of properties, select, and
+/// add properties; the undo gives touched elements the values and the selection that they had. It must not move, delete
+/// or link touched elements, add or remove elements, or remove properties that hold kept values: undo and redo refuse
+/// that.
 ///
-/// A property that was added by an operator is taken out by an undo, so handles to it are invalid until a redo. A property
-/// that was rewritten as a whole, or is of unknown type, may be another object afterwards, with the same handle.
+/// A property that was added by an operator is taken out by an undo, so handles to it are invalid until a redo. A
+/// property that was rewritten as a whole, or is of unknown type, may be another object afterwards, with the same
+/// handle.
 class ChangeSet {
  public:
   /// Of no mesh; it changed nothing.
   ChangeSet() = default;
-  /// Made by ChangeRecorder::finish. @param segments  in the order in which they were done @param notes  what they changed
+  /// Made by ChangeRecorder::finish. @param segments  in the order in which they were done @param notes  what they
+  /// changed
   ChangeSet(OpenMesh::TriConnectivity& mesh, std::vector<std::unique_ptr<ChangeSegment>> segments, ChangeNotes notes);
   /// Leaves the other one of no use: it changed nothing.
   ChangeSet(ChangeSet&&) = default;
@@ -53,7 +58,8 @@ class ChangeSet {
   /// The same on the mesh of a view.
   void redo(MeshView mesh) { redo(mesh.mesh); }
 
-  /// True if the operators wrote nothing at all: the mesh is bit for bit as it was. (It may be as well if this is false.)
+  /// True if the operators wrote nothing at all: the mesh is bit for bit as it was. (It may be as well if this is
+  /// false.)
   bool empty() const { return segments_.empty(); }
   /// True after an undo, false after a redo.
   bool undone() const { return undone_; }
@@ -87,22 +93,24 @@ void request_status(Kernel& mesh) {
 
 /// Runs a function on a mesh and records what it changes.
 /// @param function  is called with the MeshView to work on; may return a Report or several, which the change set keeps
-/// @throws what the function throws, Cancelled among it; the mesh is then as it was, bit for bit (with `notes_only`: as the
+/// @throws what the function throws, Cancelled among it; the mesh is then as it was, bit for bit (with `notes_only`: as
+/// the
 ///   function left it). InvalidInput if the mesh of a view has no status attributes.
 ///
-/// After a function that changed much, sorting out what it changed takes a while as well (a quarter of a second for two million
-/// faces); with a context that can be cancelled too.
+/// After a function that changed much, sorting out what it changed takes a while as well (a quarter of a second for two
+/// million faces); with a context that can be cancelled too.
 /// @param context  that the function is run with; null: only the function itself can be cancelled
 template <std::invocable<MeshView> Function>
-ChangeSet record(MeshView mesh, const Function& function, Recording recording = Recording::undoable, const Context* context = nullptr);
+ChangeSet record(MeshView mesh, const Function& function, Recording recording = Recording::undoable,
+                 const Context* context = nullptr);
 
-/// The same on any OpenMesh triangle kernel, for which it opens a view. Status attributes that the kernel does not have are
-/// requested and stay. Positions other than Vec3 are compared with those of the view, which costs the whole mesh.
+/// The same on any OpenMesh triangle kernel, for which it opens a view. Status attributes that the kernel does not have
+/// are requested and stay. Positions other than Vec3 are compared with those of the view, which costs the whole mesh.
 /// @param policy  what new elements inherit
 template <class Kernel, std::invocable<MeshView> Function>
-  requires(!std::same_as<Kernel, MeshView>)
-ChangeSet record(Kernel& mesh, const Function& function, Recording recording = Recording::undoable,
-                 const PropertyPolicy& policy = PropertyPolicy::standard(), const Context* context = nullptr);
+requires(!std::same_as<Kernel, MeshView>) ChangeSet
+    record(Kernel& mesh, const Function& function, Recording recording = Recording::undoable,
+           const PropertyPolicy& policy = PropertyPolicy::standard(), const Context* context = nullptr);
 
 /// The same with a context, the function's own, so that a cancel is heeded after the function, too:
 /// `record(mesh, [&](MeshView view) { return smooth(view, {}, context); }, context)`.
@@ -116,16 +124,18 @@ ChangeSet record(Mesh&& mesh, const Function& function, const Context& context) 
 
 /// Runs an operator and records what it changes: `record(mesh, fill_holes, {.max_edges = 50}, context)`.
 template <class Mesh, class Options>
-ChangeSet record(Mesh&& mesh, Report (*op)(MeshView, const Options&, Context&), const std::type_identity_t<Options>& options,
-                 Context& context) {
-  return record(mesh, [&](MeshView view) { return op(view, options, context); }, context);
+ChangeSet record(Mesh&& mesh, Report (*op)(MeshView, const Options&, Context&),
+                 const std::type_identity_t<Options>& options, Context& context) {
+  return record(
+      mesh, [&](MeshView view) { return op(view, options, context); }, context);
 }
 
-/// Runs a function that works on a mesh and takes it back: what it would report and touch. Costs the function's own time
-/// and memory for what it changes, twice over for what is undone; the mesh is changed in between, so nobody may read it
-/// meanwhile. Works for every operator, and for a whole pipeline.
+/// Runs a function that works on a mesh and takes it back: what it would report and touch. Costs the function's own
+/// time and memory for what it changes, twice over for what is undone; the mesh is changed in between, so nobody may
+/// read it meanwhile. Works for every operator, and for a whole pipeline.
 /// @param context  the function's own, so that a cancel is heeded after the function, too
-/// @return the change, already undone: `reports()` and `notes()` are what one is after, `redo` does it without computing
+/// @return the change, already undone: `reports()` and `notes()` are what one is after, `redo` does it without
+/// computing
 ///   it again
 template <class Mesh, std::invocable<MeshView> Function>
 ChangeSet dry_run(Mesh&& mesh, const Function& function, const Context& context) {
@@ -146,7 +156,8 @@ ChangeSet dry_run(Mesh&& mesh, const Function& function) {
 template <class Mesh, class Options>
 ChangeSet dry_run(Mesh&& mesh, Report (*op)(MeshView, const Options&, Context&),
                   const std::type_identity_t<Options>& options, Context& context) {
-  return dry_run(mesh, [&](MeshView view) { return op(view, options, context); }, context);
+  return dry_run(
+      mesh, [&](MeshView view) { return op(view, options, context); }, context);
 }
 
 namespace change_set_detail {
@@ -187,8 +198,8 @@ ChangeSet record(MeshView mesh, const Function& function, Recording recording, c
 }
 
 template <class Kernel, std::invocable<MeshView> Function>
-  requires(!std::same_as<Kernel, MeshView>)
-ChangeSet record(Kernel& mesh, const Function& function, Recording recording, const PropertyPolicy& policy, const Context* context) {
+requires(!std::same_as<Kernel, MeshView>) ChangeSet record(Kernel& mesh, const Function& function, Recording recording,
+                                                           const PropertyPolicy& policy, const Context* context) {
   static_assert(is_triangle_kernel<Kernel>, "tri records changes of OpenMesh triangle meshes (TriMesh_ArrayKernelT)");
   request_status(mesh);
   std::unique_ptr<ChangeRecorder> recorder;

@@ -10,7 +10,8 @@ namespace {
 using Connectivity = OpenMesh::TriConnectivity;
 using OpenMesh::Attributes::StatusInfo;
 
-constexpr unsigned inherited_bits = OpenMesh::Attributes::SELECTED | OpenMesh::Attributes::LOCKED | OpenMesh::Attributes::FEATURE;
+constexpr unsigned inherited_bits =
+    OpenMesh::Attributes::SELECTED | OpenMesh::Attributes::LOCKED | OpenMesh::Attributes::FEATURE;
 
 /// The status of a piece of an element.
 StatusInfo piece_status(const StatusInfo& whole) {
@@ -36,9 +37,8 @@ void copy_edge(MeshView view, EdgeHandle from, EdgeHandle to) {
 
 /// Sets the corner values where a half-edge ends to a mean of those of other corners.
 void blend_corner(MeshView view, std::span<const WeightedIndex> sources, HalfedgeHandle to) {
-  for_each_corner_property(view.mesh, [&](OpenMesh::BaseProperty& property) {
-    view.policy->inherit(property, sources, index_of(to));
-  });
+  for_each_corner_property(
+      view.mesh, [&](OpenMesh::BaseProperty& property) { view.policy->inherit(property, sources, index_of(to)); });
 }
 
 void inherit_vertex(MeshView view, VertexHandle v, std::span<const VertexSource> sources) {
@@ -86,8 +86,8 @@ void set_triangle(Connectivity& mesh, FaceHandle f, HalfedgeHandle a, HalfedgeHa
   mesh.set_halfedge_handle(f, a);
 }
 
-/// The corners of the vertex in which `h` begins take over what the corners where it ends have in the triangles beside it,
-/// on either side as far as there is no seam.
+/// The corners of the vertex in which `h` begins take over what the corners where it ends have in the triangles beside
+/// it, on either side as far as there is no seam.
 void move_corners(MeshView view, HalfedgeHandle h) {
   const Connectivity& mesh = view.mesh;
   const HalfedgeHandle o = mesh.opposite_halfedge_handle(h);
@@ -173,7 +173,8 @@ VertexHandle split_edge(MeshView view, EdgeHandle edge, const Vec3& point, doubl
   }
 
   int next_edge = static_cast<int>(mesh.n_edges()), next_face = static_cast<int>(mesh.n_faces());
-  const VertexHandle m = new_vertex(view, point, std::array{VertexSource{a, 1 - share}, VertexSource{b, share}}, 1 + sides, sides);
+  const VertexHandle m =
+      new_vertex(view, point, std::array{VertexSource{a, 1 - share}, VertexSource{b, share}}, 1 + sides, sides);
   const EdgeHandle new_half(next_edge++);
   copy_edge(view, edge, new_half);
   const HalfedgeHandle a_m = mesh.halfedge_handle(new_half, 0), m_a = mesh.halfedge_handle(new_half, 1);
@@ -184,7 +185,8 @@ VertexHandle split_edge(MeshView view, EdgeHandle edge, const Vec3& point, doubl
 
   if (face[0].is_valid()) {  // (a, b, c): the face keeps (m, b, c)
     const HalfedgeHandle b_c = mesh.next_halfedge_handle(half[0]), c_a = mesh.next_halfedge_handle(b_c);
-    const HalfedgeHandle m_c = mesh.halfedge_handle(EdgeHandle(next_edge++), 0), c_m = mesh.opposite_halfedge_handle(m_c);
+    const HalfedgeHandle m_c = mesh.halfedge_handle(EdgeHandle(next_edge++), 0),
+                         c_m = mesh.opposite_halfedge_handle(m_c);
     const FaceHandle piece(next_face++);
     initialise_edge(view, mesh.edge_handle(m_c));
     set_ends(mesh, m_c, m, mesh.to_vertex_handle(b_c));
@@ -201,7 +203,8 @@ VertexHandle split_edge(MeshView view, EdgeHandle edge, const Vec3& point, doubl
   }
   if (face[1].is_valid()) {  // (b, a, d): the face keeps (b, m, d)
     const HalfedgeHandle a_d = mesh.next_halfedge_handle(half[1]), d_b = mesh.next_halfedge_handle(a_d);
-    const HalfedgeHandle m_d = mesh.halfedge_handle(EdgeHandle(next_edge++), 0), d_m = mesh.opposite_halfedge_handle(m_d);
+    const HalfedgeHandle m_d = mesh.halfedge_handle(EdgeHandle(next_edge++), 0),
+                         d_m = mesh.opposite_halfedge_handle(m_d);
     const FaceHandle piece(next_face++);
     initialise_edge(view, mesh.edge_handle(m_d));
     set_ends(mesh, m_d, m, mesh.to_vertex_handle(a_d));
@@ -265,7 +268,8 @@ bool is_collapse_ok(const OpenMesh::TriConnectivity& mesh, HalfedgeHandle h) {
     const HalfedgeHandle next = mesh.next_halfedge_handle(half), last = mesh.next_halfedge_handle(next);
     apex[k] = mesh.to_vertex_handle(next);
     // A triangle that hangs on this edge alone would leave an edge without a face.
-    if (mesh.is_boundary(mesh.opposite_halfedge_handle(next)) && mesh.is_boundary(mesh.opposite_halfedge_handle(last))) return false;
+    if (mesh.is_boundary(mesh.opposite_halfedge_handle(next)) && mesh.is_boundary(mesh.opposite_halfedge_handle(last)))
+      return false;
   }
   if (apex[0] == apex[1]) return false;
   if (apex[0].is_valid() && apex[1].is_valid() && mesh.is_boundary(from) && mesh.is_boundary(to)) return false;
@@ -289,8 +293,10 @@ void collapse(MeshView view, HalfedgeHandle h) {
     const EdgeHandle from = mesh.edge_handle(goes), to = mesh.edge_handle(stays);
     if (mesh.status(from).feature()) mesh.status(to).set_feature(true);
   };
-  if (!mesh.is_boundary(h)) merge(mesh.opposite_halfedge_handle(mesh.prev_halfedge_handle(h)), mesh.next_halfedge_handle(h));
-  if (!mesh.is_boundary(o)) merge(mesh.opposite_halfedge_handle(mesh.next_halfedge_handle(o)), mesh.prev_halfedge_handle(o));
+  if (!mesh.is_boundary(h))
+    merge(mesh.opposite_halfedge_handle(mesh.prev_halfedge_handle(h)), mesh.next_halfedge_handle(h));
+  if (!mesh.is_boundary(o))
+    merge(mesh.opposite_halfedge_handle(mesh.next_halfedge_handle(o)), mesh.prev_halfedge_handle(o));
   mesh.collapse(h);
 }
 
@@ -386,7 +392,8 @@ void blend_corners(MeshView view, HalfedgeHandle h, double share) {
     }
     const auto blend = [&](const std::vector<HalfedgeHandle>& corners, HalfedgeHandle at_start) {
       if (corners.empty()) return;
-      const std::array sources{WeightedIndex{index_of(at_start), 1 - share}, WeightedIndex{index_of(corners.front()), share}};
+      const std::array sources{WeightedIndex{index_of(at_start), 1 - share},
+                               WeightedIndex{index_of(corners.front()), share}};
       view.policy->inherit(property, sources, index_of(corners.front()));
       for (const HalfedgeHandle c : corners)
         if (c != corners.front()) property.copy(index_of(corners.front()), index_of(c));
@@ -415,8 +422,7 @@ void reverse_faces(MeshView view, std::span<const FaceHandle> faces) {
     } while (h != first);
   }
   for (const Link& l : links)
-    if (mesh.halfedge_handle(l.from) == l.halfedge)
-      outgoing.push_back({l.from, mesh.prev_halfedge_handle(l.halfedge)});
+    if (mesh.halfedge_handle(l.from) == l.halfedge) outgoing.push_back({l.from, mesh.prev_halfedge_handle(l.halfedge)});
   if (ChangeRecorder* r = view.recorder) {
     for (const FaceHandle f : faces) r->links(f);
     for (const Link& l : links) {
@@ -427,7 +433,8 @@ void reverse_faces(MeshView view, std::span<const FaceHandle> faces) {
   }
   // The corner where a half-edge ended is where the one after it ends now.
   for (const FaceHandle f : faces) {
-    const HalfedgeHandle a = mesh.halfedge_handle(f), b = mesh.next_halfedge_handle(a), c = mesh.next_halfedge_handle(b);
+    const HalfedgeHandle a = mesh.halfedge_handle(f), b = mesh.next_halfedge_handle(a),
+                         c = mesh.next_halfedge_handle(b);
     for_each_corner_property(mesh, [&](OpenMesh::BaseProperty& property) {
       property.swap(index_of(c), index_of(b));
       property.swap(index_of(b), index_of(a));

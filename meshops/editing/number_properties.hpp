@@ -1,16 +1,15 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <OpenMesh/Core/Geometry/VectorT.hh>
 #include <OpenMesh/Core/Utils/Property.hh>
-
-#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 
 namespace tri {
 
-/// The values of a property that holds a number, or a vector of numbers, for each element. Valid as long as the property
-/// is neither resized nor removed.
+/// The values of a property that holds a number, or a vector of numbers, for each element. Valid as long as the
+/// property is neither resized nor removed.
 template <class Number>
 struct NumberRows {
   std::span<const Number> numbers;  ///< `size` of the first element, then of the second, …
@@ -59,14 +58,15 @@ bool visit_number(const OpenMesh::BaseProperty& property, const Visit& visit) {
 template <class N>
 bool find_openmesh(const OpenMesh::BaseProperty& property, NumberRows<N>& rows) {
   using OpenMesh::VectorT;
-  return find_any<VectorT<N, 1>, VectorT<N, 2>, VectorT<N, 3>, VectorT<N, 4>, VectorT<N, 5>, VectorT<N, 6>>(property, rows);
+  return find_any<VectorT<N, 1>, VectorT<N, 2>, VectorT<N, 3>, VectorT<N, 4>, VectorT<N, 5>, VectorT<N, 6>>(property,
+                                                                                                            rows);
 }
 
 template <class N>
 bool find_eigen(const OpenMesh::BaseProperty& property, NumberRows<N>& rows) {
   using Eigen::Matrix;
-  return find_any<Matrix<N, 2, 1>, Matrix<N, 3, 1>, Matrix<N, 4, 1>, Matrix<N, 1, 2>, Matrix<N, 1, 3>, Matrix<N, 1, 4>>(property,
-                                                                                                                   rows);
+  return find_any<Matrix<N, 2, 1>, Matrix<N, 3, 1>, Matrix<N, 4, 1>, Matrix<N, 1, 2>, Matrix<N, 1, 3>, Matrix<N, 1, 4>>(
+      property, rows);
 }
 
 template <class Number, class Visit>
@@ -87,8 +87,8 @@ bool visit_all(const OpenMesh::BaseProperty& property, const Visit& visit) {
 
 }  // namespace number_properties_detail
 
-/// Calls `visit(const NumberRows<Number>&)` if the property holds a number, or a vector of them, for each element: any type
-/// of number but bool, OpenMesh's vectors of one to six, Eigen's of two to four.
+/// Calls `visit(const NumberRows<Number>&)` if the property holds a number, or a vector of them, for each element: any
+/// type of number but bool, OpenMesh's vectors of one to six, Eigen's of two to four.
 /// @return whether it does
 template <class Visit>
 bool visit_numbers(const OpenMesh::BaseProperty& property, const Visit& visit) {

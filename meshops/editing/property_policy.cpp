@@ -1,6 +1,6 @@
-#include "meshops/mesh.hpp"
-
 #include "meshops/editing/property_policy.hpp"
+
+#include "meshops/mesh.hpp"
 
 namespace tri {
 namespace {
@@ -20,7 +20,8 @@ const PropertyPolicy& PropertyPolicy::standard() {
   return policy;
 }
 
-void PropertyPolicy::inherit(OpenMesh::BaseProperty& property, std::span<const WeightedIndex> sources, std::size_t to) const {
+void PropertyPolicy::inherit(OpenMesh::BaseProperty& property, std::span<const WeightedIndex> sources,
+                             std::size_t to) const {
   NewValue value = general_;
   const OpenMesh::BaseProperty* initial = nullptr;
   if (const auto named = by_name_.find(property.name()); named != by_name_.end()) {

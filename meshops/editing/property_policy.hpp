@@ -16,8 +16,9 @@ enum class NewValue {
   initial,  ///< zero, or a default-constructed value, or the one given to `set_initial`
 };
 
-/// What new elements inherit, property by property: a rule for its name, else one for its type, else the general one. An
-/// editor makes its own, starting from a copy of the standard one, and hands it to `MeshLease` or puts it into a `MeshView`.
+/// What new elements inherit, property by property: a rule for its name, else one for its type, else the general one.
+/// An editor makes its own, starting from a copy of the standard one, and hands it to `MeshLease` or puts it into a
+/// `MeshView`.
 class PropertyPolicy {
  public:
   /// Blends, but for what a triangulation knows of its points: `v:point_index` is -1 at a new vertex, which was not

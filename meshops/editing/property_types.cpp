@@ -1,13 +1,13 @@
-#include "meshops/mesh.hpp"
-
 #include "meshops/editing/property_types.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <type_traits>
 #include <string>
+#include <type_traits>
 #include <vector>
+
+#include "meshops/mesh.hpp"
 
 namespace tri {
 namespace {
@@ -143,8 +143,8 @@ void add_vectors(PropertyTypes& types) {
 template <class Scalar>
 void add_eigen(PropertyTypes& types) {
   add_rows<Scalar, Eigen::Matrix<Scalar, 2, 1>, Eigen::Matrix<Scalar, 3, 1>, Eigen::Matrix<Scalar, 4, 1>,
-           Eigen::Matrix<Scalar, 1, 2>, Eigen::Matrix<Scalar, 1, 3>, Eigen::Matrix<Scalar, 1, 4>, Eigen::Matrix<Scalar, 2, 2>,
-           Eigen::Matrix<Scalar, 3, 3>, Eigen::Matrix<Scalar, 4, 4>>(types);
+           Eigen::Matrix<Scalar, 1, 2>, Eigen::Matrix<Scalar, 1, 3>, Eigen::Matrix<Scalar, 1, 4>,
+           Eigen::Matrix<Scalar, 2, 2>, Eigen::Matrix<Scalar, 3, 3>, Eigen::Matrix<Scalar, 4, 4>>(types);
 }
 
 PropertyTypes make_standard_types() {

@@ -26,21 +26,23 @@ struct WeightedIndex {
 /// The source with the greatest weight, the first of several. @param sources  at least one
 inline std::size_t greatest(std::span<const WeightedIndex> sources) {
   return std::max_element(sources.begin(), sources.end(),
-                          [](const auto& a, const auto& b) { return a.weight < b.weight; })->index;
+                          [](const auto& a, const auto& b) { return a.weight < b.weight; })
+      ->index;
 }
 
 /// What can be done with the values of one type of OpenMesh property, without knowing the type. Every property passed
-/// must be of the type (`PropertyT<T>`); a place for values to be kept in is one that `make` returned, which may hold them
-/// in another form, or a property of the type. Stateless: may be called from any thread.
+/// must be of the type (`PropertyT<T>`); a place for values to be kept in is one that `make` returned, which may hold
+/// them in another form, or a property of the type. Stateless: may be called from any thread.
 class PropertyType {
  public:
   virtual ~PropertyType() = default;
 
   /// Whether values of the type are averaged; others are copied.
   virtual bool blends() const = 0;
-  /// Sets an element's value to the weighted mean of the sources' values, or, where the type does not blend, to the value
-  /// of the source with the greatest weight (the first of several). `to` may be a source.
-  virtual void blend(OpenMesh::BaseProperty& property, std::span<const WeightedIndex> sources, std::size_t to) const = 0;
+  /// Sets an element's value to the weighted mean of the sources' values, or, where the type does not blend, to the
+  /// value of the source with the greatest weight (the first of several). `to` may be a source.
+  virtual void blend(OpenMesh::BaseProperty& property, std::span<const WeightedIndex> sources,
+                     std::size_t to) const = 0;
   /// Whether two elements have equal values; false for a type without `operator==`.
   virtual bool equal(const OpenMesh::BaseProperty& property, std::size_t a, std::size_t b) const = 0;
   /// A number that differs, as good as always, where numbers or vectors of numbers differ in a bit; 0 for other types.
@@ -77,9 +79,15 @@ namespace property_values {
 /// A vector of fixed length whose components are T: OpenMesh's VectorT, Eigen's vectors.
 template <class T>
 concept Sequence = requires(T value) {
-  { value[0] };
-  { value.size() };
-} && !requires(T value) { value.push_back(value[0]); } && !requires { requires !T::IsVectorAtCompileTime; };
+  {value[0]};
+  {value.size()};
+}
+&&!requires(T value) {
+  value.push_back(value[0]);
+}
+&&!requires {
+  requires !T::IsVectorAtCompileTime;
+};
 
 /// The type of the entries of T; void for what is no vector.
 template <class T>
@@ -113,7 +121,8 @@ T component(double mean) {
   if constexpr (std::is_floating_point_v<T>)
     return static_cast<T>(mean);
   else
-    return static_cast<T>(std::clamp<double>(std::round(mean), std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+    return static_cast<T>(
+        std::clamp<double>(std::round(mean), std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
 }
 
 template <class T>
@@ -145,8 +154,8 @@ class PropertyTypeOf final : public PropertyType {
     } else if constexpr (property_values::blends<T>()) {
       T result = property[static_cast<int>(sources.front().index)];
       for (int k = 0; k < static_cast<int>(result.size()); ++k)
-        result[k] = property_values::component<property_values::Component<T>>(static_cast<double>(
-            mean(sources, [&](std::size_t i) { return property[static_cast<int>(i)][k]; })));
+        result[k] = property_values::component<property_values::Component<T>>(
+            static_cast<double>(mean(sources, [&](std::size_t i) { return property[static_cast<int>(i)][k]; })));
       property[static_cast<int>(to)] = result;
     } else {
       base.copy(greatest(sources), to);
@@ -204,13 +213,15 @@ class PropertyTypeOf final : public PropertyType {
   }
   // One call for all: of millions, calls would take longer than what they do.
   /// See PropertyType.
-  void set_each(OpenMesh::BaseProperty& base, std::span<const std::uint32_t> indices, const OpenMesh::BaseProperty& place) const override {
+  void set_each(OpenMesh::BaseProperty& base, std::span<const std::uint32_t> indices,
+                const OpenMesh::BaseProperty& place) const override {
     Property& property = static_cast<Property&>(base);
     const Property& kept = static_cast<const Property&>(place);
     for (std::size_t i = 0; i < indices.size(); ++i) property[static_cast<int>(indices[i])] = kept[static_cast<int>(i)];
   }
   /// See PropertyType.
-  void swap_each(OpenMesh::BaseProperty& base, std::span<const std::uint32_t> indices, OpenMesh::BaseProperty& place) const override {
+  void swap_each(OpenMesh::BaseProperty& base, std::span<const std::uint32_t> indices,
+                 OpenMesh::BaseProperty& place) const override {
     for (std::size_t i = 0; i < indices.size(); ++i) PropertyTypeOf::swap(base, indices[i], place, i);
   }
 
@@ -226,8 +237,8 @@ class PropertyTypeOf final : public PropertyType {
   }
 };
 
-/// The types of properties that can be averaged, compared and kept one by one. A property of any other type is copied from
-/// one element to another as a whole value, which every type can.
+/// The types of properties that can be averaged, compared and kept one by one. A property of any other type is copied
+/// from one element to another as a whole value, which every type can.
 class PropertyTypes {
  public:
   /// Arithmetic types, OpenMesh's vectors of one to six of them, strings, vectors of numbers, handles, status, Eigen's

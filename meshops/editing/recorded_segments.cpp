@@ -16,7 +16,9 @@ namespace {
 
 using Connectivity = OpenMesh::TriConnectivity;
 
-std::size_t number(ElementKind kind) { return static_cast<std::size_t>(kind); }
+std::size_t number(ElementKind kind) {
+  return static_cast<std::size_t>(kind);
+}
 
 Connectivity::StatusInfo status_of(const OpenMesh::BaseProperty& property, std::size_t index) {
   return static_cast<const OpenMesh::PropertyT<Connectivity::StatusInfo>&>(property)[static_cast<int>(index)];
@@ -26,9 +28,10 @@ constexpr std::size_t block_pages = 32;  // of a touched set
 
 template <class Visit>
 void mix_touched(std::uint64_t& sum, const TouchedSet& touched, const Context* context, const Visit& visit) {
-  mix_blocks(sum, (touched.pages() + block_pages - 1) / block_pages, context, [&](std::size_t block, std::uint64_t& part) {
-    touched.for_pages(block * block_pages, (block + 1) * block_pages, [&](std::size_t i) { visit(part, i); });
-  });
+  mix_blocks(
+      sum, (touched.pages() + block_pages - 1) / block_pages, context, [&](std::size_t block, std::uint64_t& part) {
+        touched.for_pages(block * block_pages, (block + 1) * block_pages, [&](std::size_t i) { visit(part, i); });
+      });
 }
 
 void append(std::vector<std::uint32_t>& list, const TouchedSet& set) {
@@ -53,7 +56,8 @@ std::size_t ElementCounts::of(ElementKind kind) const {
   return 0;
 }
 
-DeltaSegment::DeltaSegment(Connectivity& mesh, const PropertyTypes& types, int position_slot, int temporary, bool keep_values)
+DeltaSegment::DeltaSegment(Connectivity& mesh, const PropertyTypes& types, int position_slot, int temporary,
+                           bool keep_values)
     : mesh_(mesh), keep_values_(keep_values), temporary_(temporary), before_(ElementCounts::of(mesh)) {
   vertices_.limit = before_.vertices;
   edges_.limit = before_.edges;
@@ -71,7 +75,8 @@ DeltaSegment::DeltaSegment(Connectivity& mesh, const PropertyTypes& types, int p
       column.name = property->name();
       column.type_id = typeid(*property);
       column.type = types.share(*property);
-      column.status = dynamic_cast<const OpenMesh::PropertyT<Connectivity::StatusInfo>*>(property) && column.name.ends_with(":status");
+      column.status = dynamic_cast<const OpenMesh::PropertyT<Connectivity::StatusInfo>*>(property) &&
+                      column.name.ends_with(":status");
       column.point = kind == ElementKind::vertex && (slot == position_slot || column.name == "v:points");
       column.corner = kind == ElementKind::halfedge && !column.status && column.name.starts_with("h:");
       columns.push_back(std::move(column));
@@ -166,7 +171,8 @@ void DeltaSegment::finish(const Context* context) {
 
 std::string DeltaSegment::loss() const {
   if (lost_.empty()) return {};
-  return fmt::format("property '{}' was removed while it was recorded, other than by remove_property of mesh_edit", lost_);
+  return fmt::format("property '{}' was removed while it was recorded, other than by remove_property of mesh_edit",
+                     lost_);
 }
 
 template <class Each>
@@ -193,10 +199,11 @@ void DeltaSegment::run_for_touched(const std::vector<std::function<void()>>& tas
 void DeltaSegment::exchange_touched() {
   std::vector<std::function<void()>> tasks;
   for_each_links([&]<class Record>(Links<Record>& table, std::size_t, std::size_t) {
-    if (!table.indices.empty()) tasks.push_back([this, &table] {
-      for (std::size_t i = 0; i < table.indices.size(); ++i)
-        std::swap(record_at<Record>(mesh_, table.indices[i]), table.records[i]);
-    });
+    if (!table.indices.empty())
+      tasks.push_back([this, &table] {
+        for (std::size_t i = 0; i < table.indices.size(); ++i)
+          std::swap(record_at<Record>(mesh_, table.indices[i]), table.records[i]);
+      });
   });
   for (auto& columns : columns_)
     for (Column& c : columns)
@@ -204,7 +211,8 @@ void DeltaSegment::exchange_touched() {
   run_for_touched(tasks);
 }
 
-/// The same for good: what is kept is gone afterwards, since a cancel waits for this, and for its memory to be given back.
+/// The same for good: what is kept is gone afterwards, since a cancel waits for this, and for its memory to be given
+/// back.
 void DeltaSegment::restore_touched() {
   std::vector<std::function<void()>> tasks;
   for_each_links([&]<class Record>(Links<Record>& table, std::size_t, std::size_t) {
@@ -218,12 +226,13 @@ void DeltaSegment::restore_touched() {
   });
   for (auto& columns : columns_)
     for (Column& c : columns)
-      if (c.kept) tasks.push_back([this, &c] {
-        c.type->set_each(object(c), c.indices, *c.kept);
-        c.kept.reset();
-        c.indices = {};
-        c.touched = {};
-      });
+      if (c.kept)
+        tasks.push_back([this, &c] {
+          c.type->set_each(object(c), c.indices, *c.kept);
+          c.kept.reset();
+          c.indices = {};
+          c.touched = {};
+        });
   run_for_touched(tasks);
 }
 
@@ -295,7 +304,8 @@ void DeltaSegment::undo(Connectivity& mesh) {
 void DeltaSegment::roll_back() {
   look_at_properties();
   if (!lost_.empty()) throw InvalidInput("cannot undo: " + loss());
-  for (const Detached& d : added_) delete std::exchange(property_slots(mesh_, d.kind)[static_cast<std::size_t>(d.slot)], nullptr);
+  for (const Detached& d : added_)
+    delete std::exchange(property_slots(mesh_, d.kind)[static_cast<std::size_t>(d.slot)], nullptr);
   exchange_wholes();
   mesh_.resize(before_.vertices, before_.edges, before_.faces);
   for (Detached& d : removed_) {
@@ -326,8 +336,8 @@ void DeltaSegment::redo(Connectivity& mesh) {
   left_ = fingerprint(nullptr);
 }
 
-/// Of counts, and of the links, positions and deletions of what was touched or added. Values and selection are left out: an
-/// editor may colour, select and update normals in between.
+/// Of counts, and of the links, positions and deletions of what was touched or added. Values and selection are left
+/// out: an editor may colour, select and update normals in between.
 std::uint64_t DeltaSegment::fingerprint(const Context* context) const {
   const ElementCounts now = ElementCounts::of(mesh_);
   std::uint64_t sum = 0;
@@ -377,9 +387,11 @@ std::string DeltaSegment::mismatch(Connectivity& mesh) const {
   if (!lost_.empty()) return loss();
   const ElementCounts now = ElementCounts::of(mesh), expected = undone_ ? before_ : after_;
   if (now != expected)
-    return fmt::format("the mesh has {} vertices, {} edges and {} faces (deleted ones included), and was left with {}, {} and {}",
-                       now.vertices, now.edges, now.faces, expected.vertices, expected.edges, expected.faces);
-  if (const std::string name = missing_property(); !name.empty()) return fmt::format("property '{}' was removed since", name);
+    return fmt::format(
+        "the mesh has {} vertices, {} edges and {} faces (deleted ones included), and was left with {}, {} and {}",
+        now.vertices, now.edges, now.faces, expected.vertices, expected.edges, expected.faces);
+  if (const std::string name = missing_property(); !name.empty())
+    return fmt::format("property '{}' was removed since", name);
   const std::vector<Detached>&there = undone_ ? removed_ : added_, &gone = undone_ ? added_ : removed_;
   for (const Detached& d : gone) {
     const auto same_slot = [&](const Detached& o) { return o.kind == d.kind && o.slot == d.slot; };
@@ -406,7 +418,8 @@ void DeltaSegment::describe(ChangeNotes& notes, const Context* context) const {
   Connectivity& mesh = mesh_;
   // What has values, beside the elements whose own values were set: edges and faces by their half-edges.
   TouchedSet valued_edges, valued_faces, other_ends, moved;
-  const auto list = [&](ElementKind kind, const TouchedSet& relinked, TouchedSet& revalued, ElementNotes& out, auto handle) {
+  const auto list = [&](ElementKind kind, const TouchedSet& relinked, TouchedSet& revalued, ElementNotes& out,
+                        auto handle) {
     using Handle = decltype(handle);
     const auto alive = [&](std::size_t i) { return !mesh.status(Handle(static_cast<int>(i))).deleted(); };
     TouchedSet came, went;
@@ -429,9 +442,14 @@ void DeltaSegment::describe(ChangeNotes& notes, const Context* context) const {
     };
     append_stayed(out.relinked, relinked);
     for (const Column& c : columns_[number(kind)])
-      if (!c.point) c.touched.for_each([&](std::size_t i) { if (!came.contains(i)) revalued.insert(i); });
+      if (!c.point)
+        c.touched.for_each([&](std::size_t i) {
+          if (!came.contains(i)) revalued.insert(i);
+        });
     if (context) context->checkpoint();
-    revalued.for_each([&](std::size_t i) { if (alive(i)) out.revalued.push_back(static_cast<std::uint32_t>(i)); });
+    revalued.for_each([&](std::size_t i) {
+      if (alive(i)) out.revalued.push_back(static_cast<std::uint32_t>(i));
+    });
   };
   const auto look_at_corners = [&] {
     for (const Column& c : columns_[number(ElementKind::halfedge)]) {

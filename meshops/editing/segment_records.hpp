@@ -30,9 +30,15 @@ void mix_record(std::uint64_t& sum, const Record& record) {
   for (const int i : raw(record)) mix(sum, static_cast<std::uint32_t>(i));
 }
 
-inline auto& record_of(OpenMesh::TriConnectivity& mesh, OpenMesh::ArrayItems::Vertex*, std::size_t i) { return mesh.vertex(VertexHandle(static_cast<int>(i))); }
-inline auto& record_of(OpenMesh::TriConnectivity& mesh, OpenMesh::ArrayItems::Edge*, std::size_t i) { return mesh.edge(EdgeHandle(static_cast<int>(i))); }
-inline auto& record_of(OpenMesh::TriConnectivity& mesh, OpenMesh::ArrayItems::Face*, std::size_t i) { return mesh.face(FaceHandle(static_cast<int>(i))); }
+inline auto& record_of(OpenMesh::TriConnectivity& mesh, OpenMesh::ArrayItems::Vertex*, std::size_t i) {
+  return mesh.vertex(VertexHandle(static_cast<int>(i)));
+}
+inline auto& record_of(OpenMesh::TriConnectivity& mesh, OpenMesh::ArrayItems::Edge*, std::size_t i) {
+  return mesh.edge(EdgeHandle(static_cast<int>(i)));
+}
+inline auto& record_of(OpenMesh::TriConnectivity& mesh, OpenMesh::ArrayItems::Face*, std::size_t i) {
+  return mesh.face(FaceHandle(static_cast<int>(i)));
+}
 template <class Record>
 Record& record_at(OpenMesh::TriConnectivity& mesh, std::size_t i) {
   return record_of(mesh, static_cast<Record*>(nullptr), i);
@@ -67,7 +73,8 @@ template <class Visit>
 void mix_range(std::uint64_t& sum, std::size_t begin, std::size_t end, const Context* context, const Visit& visit) {
   if (begin >= end) return;
   mix_blocks(sum, (end - begin + block_size - 1) / block_size, context, [&](std::size_t block, std::uint64_t& part) {
-    for (std::size_t i = begin + block * block_size; i < std::min(begin + (block + 1) * block_size, end); ++i) visit(part, i);
+    for (std::size_t i = begin + block * block_size; i < std::min(begin + (block + 1) * block_size, end); ++i)
+      visit(part, i);
   });
 }
 

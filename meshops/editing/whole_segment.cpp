@@ -43,17 +43,22 @@ WholeSegment::WholeSegment(Connectivity& mesh, int temporary, bool keep)
     }
   }
   for (Property& p : properties_)
-    tasks.push_back([&p, &mesh] {
-      p.object.reset(property_slots(mesh, p.kind)[static_cast<std::size_t>(p.slot)]->clone());
-    });
+    tasks.push_back(
+        [&p, &mesh] { p.object.reset(property_slots(mesh, p.kind)[static_cast<std::size_t>(p.slot)]->clone()); });
   run_all(tasks, nullptr);
 }
 
-void WholeSegment::finish() { left_ = fingerprint(); }
+void WholeSegment::finish() {
+  left_ = fingerprint();
+}
 
-void WholeSegment::undo(Connectivity&) { exchange(); }
+void WholeSegment::undo(Connectivity&) {
+  exchange();
+}
 
-void WholeSegment::redo(Connectivity&) { exchange(); }
+void WholeSegment::redo(Connectivity&) {
+  exchange();
+}
 
 void WholeSegment::exchange() {
   const ElementCounts now = ElementCounts::of(mesh_);
@@ -81,9 +86,15 @@ void WholeSegment::exchange() {
 std::uint64_t WholeSegment::fingerprint() const {
   const ElementCounts now = ElementCounts::of(mesh_);
   std::uint64_t sum = 0;
-  mix_range(sum, 0, now.vertices, nullptr, [&](std::uint64_t& part, std::size_t i) { mix_record(part, record_at<OpenMesh::ArrayItems::Vertex>(mesh_, i)); });
-  mix_range(sum, 0, now.edges, nullptr, [&](std::uint64_t& part, std::size_t i) { mix_record(part, record_at<OpenMesh::ArrayItems::Edge>(mesh_, i)); });
-  mix_range(sum, 0, now.faces, nullptr, [&](std::uint64_t& part, std::size_t i) { mix_record(part, record_at<OpenMesh::ArrayItems::Face>(mesh_, i)); });
+  mix_range(sum, 0, now.vertices, nullptr, [&](std::uint64_t& part, std::size_t i) {
+    mix_record(part, record_at<OpenMesh::ArrayItems::Vertex>(mesh_, i));
+  });
+  mix_range(sum, 0, now.edges, nullptr, [&](std::uint64_t& part, std::size_t i) {
+    mix_record(part, record_at<OpenMesh::ArrayItems::Edge>(mesh_, i));
+  });
+  mix_range(sum, 0, now.faces, nullptr, [&](std::uint64_t& part, std::size_t i) {
+    mix_record(part, record_at<OpenMesh::ArrayItems::Face>(mesh_, i));
+  });
   return sum;
 }
 

@@ -29,7 +29,8 @@ class Dissection {
       waiting.pop_back();
       if (range.end == range.begin) continue;
       context_.checkpoint();
-      if (entries_of(range) <= (range.divided ? limits_.few : limits_.at_once) || !divide(range, waiting)) order_at_once(range);
+      if (entries_of(range) <= (range.divided ? limits_.few : limits_.at_once) || !divide(range, waiting))
+        order_at_once(range);
     }
     return std::move(order_);
   }
@@ -42,7 +43,9 @@ class Dissection {
     bool divided = false;  ///< it has something beside it that comes later
   };
 
-  std::span<std::int32_t> in(const Range& range) { return std::span(order_).subspan(range.begin, range.end - range.begin); }
+  std::span<std::int32_t> in(const Range& range) {
+    return std::span(order_).subspan(range.begin, range.end - range.begin);
+  }
   std::span<const std::int32_t> neighbors(std::int32_t i) const {
     return std::span(a_.row.data() + a_.first[i], a_.row.data() + a_.first[i + 1]);
   }
@@ -99,7 +102,8 @@ class Dissection {
     }
   }
 
-  /// Parts a piece into two that have no entry in common and what is needed between them. @return whether that is possible
+  /// Parts a piece into two that have no entry in common and what is needed between them. @return whether that is
+  /// possible
   bool divide(const Range& range, std::vector<Range>& waiting) {
     search(order_[range.begin], range);
     const std::size_t size = range.end - range.begin;
@@ -128,9 +132,8 @@ class Dissection {
     const auto cut = static_cast<std::int32_t>(best);
     const auto beside = [&](std::int32_t i) {
       const bool low = nearness_[i] <= cut;
-      return std::ranges::any_of(neighbors(i), [&](std::int32_t j) {
-        return piece_[j] == range.piece && (nearness_[j] <= cut) != low;
-      });
+      return std::ranges::any_of(
+          neighbors(i), [&](std::int32_t j) { return piece_[j] == range.piece && (nearness_[j] <= cut) != low; });
     };
     std::size_t beside_low = 0, beside_high = 0;
     for (const std::int32_t i : reached_) {
@@ -166,7 +169,8 @@ class Dissection {
     const std::vector<std::int32_t> given(in(range).begin(), in(range).end());
     std::vector<std::int32_t>& number = level_;  // of the unknowns within the piece
     for (std::size_t k = 0; k < given.size(); ++k) number[given[k]] = static_cast<std::int32_t>(k);
-    Eigen::SparseMatrix<double> pattern(static_cast<Eigen::Index>(given.size()), static_cast<Eigen::Index>(given.size()));
+    Eigen::SparseMatrix<double> pattern(static_cast<Eigen::Index>(given.size()),
+                                        static_cast<Eigen::Index>(given.size()));
     std::vector<std::int32_t> rows;
     pattern.reserve(static_cast<Eigen::Index>(entries_of(range)));
     for (std::size_t k = 0; k < given.size(); ++k) {
@@ -191,16 +195,17 @@ class Dissection {
   const Context& context_;
   Pace pace_;
   std::vector<std::int32_t> order_;
-  std::vector<std::int32_t> piece_;   ///< of each unknown
+  std::vector<std::int32_t> piece_;     ///< of each unknown
   std::vector<std::int32_t> nearness_;  ///< to one side of the piece that is being divided
-  std::vector<std::int32_t> level_;   ///< of each unknown that the last search reached
-  std::vector<std::int32_t> reached_;  ///< by it, in its order
+  std::vector<std::int32_t> level_;     ///< of each unknown that the last search reached
+  std::vector<std::int32_t> reached_;   ///< by it, in its order
   std::int32_t pieces_ = 0;
 };
 
 }  // namespace
 
-std::vector<std::int32_t> elimination_order(const SparseColumns& a, const Context& context, const EliminationLimits& limits) {
+std::vector<std::int32_t> elimination_order(const SparseColumns& a, const Context& context,
+                                            const EliminationLimits& limits) {
   return Dissection(a, limits, context).run();
 }
 

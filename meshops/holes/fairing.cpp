@@ -24,7 +24,8 @@ class Region {
       const int end = end_.back();
       for (int i = begin; i < end; ++i, pace())
         for (auto it = view.mesh.cvv_iter(vertices_[i]); it.is_valid(); ++it)
-          if (number_.insert(static_cast<std::uint32_t>((*it).idx()), static_cast<std::uint32_t>(vertices_.size())).second)
+          if (number_.insert(static_cast<std::uint32_t>((*it).idx()), static_cast<std::uint32_t>(vertices_.size()))
+                  .second)
             vertices_.push_back(*it);
       begin = end;
       end_.push_back(static_cast<int>(vertices_.size()));

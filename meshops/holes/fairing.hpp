@@ -37,17 +37,17 @@ std::string_view to_string(FairingOutcome outcome);
 /// New places of vertices; the mesh is not changed.
 struct FairedPoints {
   FairingOutcome outcome = FairingOutcome::done;  ///< `points` has entries only if `done`
-  std::vector<VertexHandle> vertices;  ///< those that may move, in the order given
-  std::vector<Vec3> points;            ///< their new places; empty unless `done`
-  std::size_t without_rim = 0;         ///< vertices left out since no neighbour of their part stays
+  std::vector<VertexHandle> vertices;             ///< those that may move, in the order given
+  std::vector<Vec3> points;                       ///< their new places; empty unless `done`
+  std::size_t without_rim = 0;                    ///< vertices left out since no neighbour of their part stays
 };
 
 /// Where vertices go when all others stay and the region's energy is least [Kobbelt et al. 1998; Botsch & Kobbelt 2004;
 /// Desbrun et al. 1999 for the weights and the areas M, a third of the triangles around a vertex].
 ///
-/// One linear system for each call, solved by sparse Cholesky decomposition (sparse_cholesky.hpp). The result turns, moves
-/// and scales with the mesh. The mesh is not changed.
-/// At a vertex on the mesh's boundary curvature is not known and does not count.
+/// One linear system for each call, solved by sparse Cholesky decomposition (sparse_cholesky.hpp). The result turns,
+/// moves and scales with the mesh. The mesh is not changed. At a vertex on the mesh's boundary curvature is not known
+/// and does not count.
 /// @param moving  interior vertices (not on the boundary, not isolated), each once
 /// @throws Cancelled within some 80 ms
 FairedPoints faired_points(MeshView mesh, std::span<const VertexHandle> moving, Continuity continuity,

@@ -42,7 +42,8 @@ std::array<Vec3, 3> places(MeshView view, const VertexTriple& t) {
   return {view.point(t[0]), view.point(t[1]), view.point(t[2])};
 }
 
-/// In how many pieces a triangle goes into a tree: several if it is a needle, since its box is nearly empty if it lies askew.
+/// In how many pieces a triangle goes into a tree: several if it is a needle, since its box is nearly empty if it lies
+/// askew.
 int pieces_of(const std::array<Vec3, 3>& at) {
   constexpr double needle = 16;  // length over height
   constexpr int most = 16;

@@ -154,8 +154,7 @@ HoleFilling Hole::fill(HoleStrategy strategy, int max_dynamic_edges, const Filli
     std::size_t crossings = found.count;
     if (crossings > 0) {
       if (surroundings.unavoidable.empty()) surroundings.unavoidable = unavoidable_crossings(obstacles, least);
-      if (crossings > least)
-        crossings = untangle_filling(whole, surroundings, found, filling.triangles, context);
+      if (crossings > least) crossings = untangle_filling(whole, surroundings, found, filling.triangles, context);
     }
     if (best.triangles.empty() || crossings < best.crossings)
       best = {named(filling.triangles), filling.in_pieces, crossings};

@@ -16,8 +16,8 @@ namespace tri {
 struct HoleFilling {
   std::vector<VertexTriple> triangles;  ///< none if there is no triangulation without an existing edge
   bool in_pieces = false;               ///< `RingFilling::in_pieces`
-  std::size_t crossings =
-      0;  ///< pairs of triangles, of the filling or of it and the mesh, that meet where they should not
+  std::size_t crossings = 0;  ///< pairs of triangles, of the filling or of it and the mesh, that meet where they should
+                              ///< not
 };
 
 /// One boundary loop and the ways to close it. Reads the mesh; valid until the mesh changes at the rim.
@@ -62,8 +62,8 @@ class Hole {
 
   /// The same, but as little as possible through the mesh: where the filling crosses something it is changed around
   /// the crossings (`untangle_filling`), then the other strategies are tried, and the one with the fewest crossings
-  /// counts. Edges of the rim that go through faces of the mesh make crossings that no filling avoids: it ends when there
-  /// are no others.
+  /// counts. Edges of the rim that go through faces of the mesh make crossings that no filling avoids: it ends when
+  /// there are no others.
   HoleFilling fill(HoleStrategy strategy, int max_dynamic_edges, const FillingObstacles& obstacles,
                    const Context& context) const;
 

@@ -27,18 +27,9 @@ Vec3 newell_normal(std::span<const Vec3> ring) {
 /// stamp.
 class EarCutter {
  public:
-  EarCutter(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals,
-            const ChordTest& chord_allowed)
-      : ring_(ring),
-        chord_allowed_(chord_allowed),
-        n_(static_cast<int>(ring.size())),
-        size_(n_),
-        next_(ring.size()),
-        previous_(ring.size()),
-        stamp_(ring.size(), 0),
-        reflex_(ring.size(), 0),
-        awake_(ring),
-        waiting_(ring.size()),
+  EarCutter(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals, const ChordTest& chord_allowed)
+      : ring_(ring), chord_allowed_(chord_allowed), n_(static_cast<int>(ring.size())), size_(n_), next_(ring.size()),
+        previous_(ring.size()), stamp_(ring.size(), 0), reflex_(ring.size(), 0), awake_(ring), waiting_(ring.size()),
         reference_(ring.size()) {
     const Vec3 mean = newell_normal(ring);
     for (int i = 0; i < n_; ++i) {
@@ -247,8 +238,8 @@ double bending_scale(std::span<const Vec3> ring) {
 }
 
 bool cut_nearest_diagonals(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals,
-                           const ChordTest& chord_allowed, int rest,
-                           std::vector<RingTriangle>& triangles, std::vector<std::int32_t>& left) {
+                           const ChordTest& chord_allowed, int rest, std::vector<RingTriangle>& triangles,
+                           std::vector<std::int32_t>& left) {
   if (ring.size() < 3) return false;
   return EarCutter(ring, vertex_normals, chord_allowed).run(rest, triangles, left);
 }

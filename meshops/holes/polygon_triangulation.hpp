@@ -97,8 +97,8 @@ std::optional<Weight> triangulate_ring(int n, Weight* best, std::int32_t* apex, 
 /// weight that
 ///   triangle (i, k, j) brings. `apex_ik` is the third corner of the triangle already chosen beyond chord (i, k), or -1
 ///   if (i, k) is a ring edge; the same for `apex_kj`. The edge (0, n - 1) is closed by the one call with i = 0 and j =
-///   n - 1. No value forbids the triangle. It may take a sixth argument, `bool useful(const Weight& least)`: whether the
-///   triangle could still be chosen if it brought no less than that; no value may be returned where it could not.
+///   n - 1. No value forbids the triangle. It may take a sixth argument, `bool useful(const Weight& least)`: whether
+///   the triangle could still be chosen if it brought no less than that; no value may be returned where it could not.
 /// @tparam Weight  trivial type with `Weight{}` the neutral element, `+` that never lightens (a + b is not < a), and
 /// `<`; sums, maxima and
 ///   lexicographic pairs of them fit. (With a weight that depends on the apexes the result is Liepa's
@@ -147,9 +147,9 @@ enum class RingObjective {
   area,           ///< the area alone; the least there is
 };
 
-/// How much area a unit of bending is worth in `RingObjective::bending`, in model units: 0.03 of the ring's length. With
-/// less the filling is smaller and sharper, with more the reverse; at that value it has both less area and lower angles
-/// than the least largest angle gives.
+/// How much area a unit of bending is worth in `RingObjective::bending`, in model units: 0.03 of the ring's length.
+/// With less the filling is smaller and sharper, with more the reverse; at that value it has both less area and lower
+/// angles than the least largest angle gives.
 double bending_scale(std::span<const Vec3> ring);
 
 /// Triangulates a ring in space by dynamic programming; cost as `triangulate_polygon`, about 30 ns for each triangle
@@ -160,8 +160,8 @@ double bending_scale(std::span<const Vec3> ring);
 /// there is none; or empty for a ring without neighbours.
 /// @param triangles  receives ring.size() - 2 triangles, appended.
 /// @param scale  of bending; 0 stands for `bending_scale(ring)`
-/// @return the weight (the turn is 0 but with `RingObjective::dihedral_area`), or nothing if no triangulation is allowed; then
-/// `triangles` is as it was.
+/// @return the weight (the turn is 0 but with `RingObjective::dihedral_area`), or nothing if no triangulation is
+/// allowed; then `triangles` is as it was.
 std::optional<DihedralAreaWeight> triangulate_ring(std::span<const Vec3> ring, std::span<const Vec3> edge_normals,
                                                    const ChordTest& chord_allowed, RingObjective objective,
                                                    std::vector<RingTriangle>& triangles, double scale = 0);
@@ -182,7 +182,7 @@ std::optional<DihedralAreaWeight> triangulate_ring(std::span<const Vec3> ring, s
 /// @param left  receives the positions of the vertices that are left, ascending (none with rest 2).
 /// @return false if forbidden chords leave no ear; then `triangles` is as it was.
 bool cut_nearest_diagonals(std::span<const Vec3> ring, std::span<const Vec3> vertex_normals,
-                           const ChordTest& chord_allowed, int rest,
-                           std::vector<RingTriangle>& triangles, std::vector<std::int32_t>& left);
+                           const ChordTest& chord_allowed, int rest, std::vector<RingTriangle>& triangles,
+                           std::vector<std::int32_t>& left);
 
 }  // namespace tri

@@ -8,8 +8,8 @@
 namespace tri {
 namespace {
 
-/// Triangles in a piece that is triangulated anew. On random knotted loops pieces of 10 end up to a quarter heavier than
-/// those of 30, on long noisy ones a tenth, which is not worth five times the time.
+/// Triangles in a piece that is triangulated anew. On random knotted loops pieces of 10 end up to a quarter heavier
+/// than those of 30, on long noisy ones a tenth, which is not worth five times the time.
 constexpr int piece_size = 30, piece_size_of_long_rings = 10;
 constexpr std::size_t long_ring = 1000;
 /// 1 - cos of 20 degrees: below it flips have left nothing to gain.

@@ -35,8 +35,8 @@ struct RingFilling {
 /// Up to `max_dynamic_edges` edges the minimum strategies search by dynamic programming. A longer ring is first cut
 /// down to that many edges by nearest diagonals and what is left is searched; then the vertices come back in the
 /// reverse order, with flips around each as long as they make the triangulation lighter, and at last connected pieces
-/// around edges of more than 20 degrees are searched anew (`RingTriangulation`). That was near-linear in measurements and ends in a
-/// minimum that is local, but starts from the whole ring's shape.
+/// around edges of more than 20 degrees are searched anew (`RingTriangulation`). That was near-linear in measurements
+/// and ends in a minimum that is local, but starts from the whole ring's shape.
 /// @throws Cancelled within a few milliseconds, for max_dynamic_edges up to 128; the time grows with its cube.
 RingFilling fill_ring(const Ring& ring, HoleStrategy strategy, int max_dynamic_edges, const Context& context);
 

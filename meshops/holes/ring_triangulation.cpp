@@ -10,12 +10,8 @@ namespace tri {
 RingTriangulation::RingTriangulation(std::span<const Vec3> ring, std::span<const Vec3> edge_normals,
                                      const ChordTest& chord_allowed, RingObjective objective,
                                      std::span<const std::int32_t> left, std::span<const RingTriangle> triangles)
-    : ring_(ring),
-      edge_normals_(edge_normals),
-      chord_allowed_(chord_allowed),
-      objective_(objective),
-      scale_(objective == RingObjective::area ? 0 : bending_scale(ring)),
-      next_(ring.size(), -1),
+    : ring_(ring), edge_normals_(edge_normals), chord_allowed_(chord_allowed), objective_(objective),
+      scale_(objective == RingObjective::area ? 0 : bending_scale(ring)), next_(ring.size(), -1),
       owner_(ring.size(), -1) {
   for (std::size_t i = 0; i < left.size(); ++i) next_[left[i]] = left[(i + 1) % left.size()];
   if (!edge_normals.empty()) {

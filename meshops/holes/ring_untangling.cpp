@@ -116,7 +116,9 @@ class Untangler {
     for (std::int32_t t = 0; t < static_cast<std::int32_t>(now.size()); ++t) {
       const bool had = next < before.around.size() && before.around[next].triangle == t;
       if (!changed(t)) {
-        if (had) found.around.push_back(before.around[next]), found.count += static_cast<std::size_t>(before.around[next].count);
+        if (had)
+          found.around.push_back(before.around[next]),
+              found.count += static_cast<std::size_t>(before.around[next].count);
         next += had;
         continue;
       }

@@ -34,9 +34,9 @@ struct FillingCrossings {
     std::int32_t triangle;
     int count;
   };
-  std::size_t count = 0;                           ///< pairs of both kinds
-  std::vector<Around> around;                      ///< ascending
-  std::vector<std::array<std::int32_t, 2>> inside; ///< pairs within the filling
+  std::size_t count = 0;                            ///< pairs of both kinds
+  std::vector<Around> around;                       ///< ascending
+  std::vector<std::array<std::int32_t, 2>> inside;  ///< pairs within the filling
 };
 
 /// Looks for pairs of triangles that meet in more than what they share: in the filling, and with its surroundings.
@@ -45,9 +45,9 @@ FillingCrossings find_crossings(std::span<const Vec3> ring, const RingSurroundin
                                 std::span<const RingTriangle> triangles, const Context& context);
 
 /// Takes connected pieces around crossings out of a filling and triangulates them with the fewest crossings, then the
-/// least area, by dynamic programming; first pieces of 12 triangles, then larger ones. Crossings that are known to be unavoidable,
-/// where the faces at the rim cross each other, are left alone. At most 50,000 triangles and 10 more for each edge are
-/// weighed, and a size of pieces that helps nothing is the last.
+/// least area, by dynamic programming; first pieces of 12 triangles, then larger ones. Crossings that are known to be
+/// unavoidable, where the faces at the rim cross each other, are left alone. At most 50,000 triangles and 10 more for
+/// each edge are weighed, and a size of pieces that helps nothing is the last.
 /// @param crossings  what `find_crossings` says about `triangles`
 /// @return how many crossings are left; if no fewer than there were, `triangles` is unchanged
 /// @throws Cancelled between pieces; then `triangles` is unchanged

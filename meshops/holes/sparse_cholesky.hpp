@@ -24,8 +24,8 @@ struct SparseColumns {
   void end_column() { first.push_back(static_cast<std::int64_t>(row.size())); }
 };
 
-/// The factors of a symmetric matrix, L D L^T, found row by row of L [Davis, Direct Methods for Sparse Linear Systems, 2006,
-/// chapter 4]. Unlike Eigen's, it can be cancelled while it works. `elimination_order` says in which order.
+/// The factors of a symmetric matrix, L D L^T, found row by row of L [Davis, Direct Methods for Sparse Linear Systems,
+/// 2006, chapter 4]. Unlike Eigen's, it can be cancelled while it works. `elimination_order` says in which order.
 class SparseCholesky {
  public:
   /// Of the right side and the solution: one place for each unknown.
@@ -49,10 +49,10 @@ class SparseCholesky {
   std::vector<std::int32_t> order_;   ///< which unknown comes where
   std::vector<std::int32_t> parent_;  ///< in the elimination tree
   // L without its diagonal of ones. Not vectors, which would be filled first, all at once.
-  std::vector<std::int64_t> first_;   ///< of each column
+  std::vector<std::int64_t> first_;  ///< of each column
   std::unique_ptr<std::int32_t[]> rows_;
   std::unique_ptr<double[]> values_;
-  std::vector<double> diagonal_;      ///< D
+  std::vector<double> diagonal_;  ///< D
   bool positive_definite_ = false;
 };
 

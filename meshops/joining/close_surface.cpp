@@ -21,8 +21,8 @@ struct Loop {
   std::uint32_t triangle;          ///< one at the loop
 };
 
-std::vector<Loop> find_loops(std::span<const Vec3> points, std::span<const Triangle> triangles, std::span<const std::int32_t> twin,
-                             std::size_t vertices, const auto& place, Pace& pace) {
+std::vector<Loop> find_loops(std::span<const Vec3> points, std::span<const Triangle> triangles,
+                             std::span<const std::int32_t> twin, std::size_t vertices, const auto& place, Pace& pace) {
   constexpr std::int32_t none = SidePairs::none;
   std::vector<std::int32_t> into(vertices, none);  // the open side that ends at a vertex: there is one at most
   for (std::size_t s = 0; s < twin.size(); ++s, pace())
@@ -112,9 +112,7 @@ ClosedSurface close_surface(std::span<const Vec3> points, std::span<const Triang
   SidePairs pairs = pair_sides(work, points.size(), context);
   const ManifoldRepairs repairs = make_manifold(work, points, pairs, context);
   surface.reversed = repairs.reversed_triangles.size();
-  const auto place = [&](std::uint32_t v) {
-    return v < points.size() ? v : repairs.copied_points[v - points.size()];
-  };
+  const auto place = [&](std::uint32_t v) { return v < points.size() ? v : repairs.copied_points[v - points.size()]; };
 
   std::vector<std::uint32_t> component(work.size(), 0xffffffffu);
   std::uint32_t components = 0;

@@ -13,10 +13,7 @@ class ContourStrip {
  public:
   ContourStrip(std::span<const Vec3> first, std::span<const Vec3> second,
                const std::function<bool(int, int, ContourStep)>& allowed)
-      : first_(first),
-        second_(second),
-        allowed_(allowed),
-        m_(static_cast<int>(first.size()) - 1),
+      : first_(first), second_(second), allowed_(allowed), m_(static_cast<int>(first.size()) - 1),
         n_(static_cast<int>(second.size()) - 1) {}
 
   std::optional<std::vector<ContourStep>> run() {

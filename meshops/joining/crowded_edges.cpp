@@ -70,7 +70,8 @@ class CrowdPairing {
  public:
   CrowdPairing(std::span<const Triangle> triangles, std::span<const Vec3> points, SidePairs& pairs, bool may_turn,
                const Context& context)
-      : triangles_(triangles), points_(points), pairs_(pairs), pace_(context, 4096), turns_(number_shells(), may_turn) {}
+      : triangles_(triangles), points_(points), pairs_(pairs), pace_(context, 4096), turns_(number_shells(), may_turn) {
+  }
 
   std::vector<std::uint32_t> run() {
     std::vector<Spokes> all;
@@ -193,8 +194,8 @@ class CrowdPairing {
     }
   }
 
-  /// Of an even number each with the next one, so that none is left over: in that one of the two ways in which more of them
-  /// run against each other, or else the smoother.
+  /// Of an even number each with the next one, so that none is left over: in that one of the two ways in which more of
+  /// them run against each other, or else the smoother.
   void neighbors(Spokes& spokes) {
     std::vector<std::size_t> left;
     for (std::size_t i = 0; i < spokes.size(); ++i)

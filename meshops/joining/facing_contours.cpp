@@ -11,10 +11,10 @@
 namespace tri {
 namespace {
 
-constexpr double widest_base_angle =
-    165 * std::numbers::pi / 180;  // beyond, a step runs along the contour instead of across the gap
-constexpr double lone_base_angle = 120 * std::numbers::pi / 180;  // the same where the other contour has turned away
-constexpr double least_common_course = 0.6;                       // cosine; below, a contour turns away, as at a corner
+constexpr double widest_base_angle = 165 * std::numbers::pi / 180;  // beyond, a step runs along the contour instead of
+                                                                    // across the gap
+constexpr double lone_base_angle = 120 * std::numbers::pi / 180;    // the same where the other contour has turned away
+constexpr double least_common_course = 0.6;  // cosine; below, a contour turns away, as at a corner
 
 /// The boundary as seen from the start of one of its half-edges.
 struct Station {
@@ -242,8 +242,8 @@ std::optional<ContourRun> FacingContours::grow(const Seed& seed) const {
     for (;;) {
       const Course p_course = course(front.p_base, front.p, front.forward),
                    q_course = course(front.q_base, front.q, !front.forward);
-      const Vec3 strip =
-          trail.size() < 3 ? unit_or_zero(p_course.two + q_course.two) : unit_or_zero(trail.back() - trail[trail.size() - 3]);
+      const Vec3 strip = trail.size() < 3 ? unit_or_zero(p_course.two + q_course.two)
+                                          : unit_or_zero(trail.back() - trail[trail.size() - 3]);
       const bool p_ends = p_round || !free(front.p_base) || turns_away(p_course, q_course, strip);
       const bool q_ends = q_round || !free(front.q_base) || turns_away(q_course, p_course, strip);
       Step p, q;

@@ -23,8 +23,8 @@ struct ContourRun {
 /// How far and how bent a gap may be.
 struct FacingLimits {
   double max_gap = 3;  ///< times the local spacing (the larger of both sides)
-  double max_distance =
-      std::numeric_limits<double>::infinity();     ///< model units; takes the place of `max_gap` when finite
+  double max_distance = std::numeric_limits<double>::infinity();  ///< model units; takes the place of `max_gap` when
+                                                                  ///< finite
   double max_turn = 130 * std::numbers::pi / 180;  ///< [rad] between a new triangle and the face beside it
 };
 

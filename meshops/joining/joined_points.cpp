@@ -60,7 +60,9 @@ class Joiner {
   }
 
  private:
-  std::uint32_t corner(Side side) const { return soup_.triangles[source_[static_cast<std::size_t>(side / 3)]][side % 3]; }
+  std::uint32_t corner(Side side) const {
+    return soup_.triangles[source_[static_cast<std::size_t>(side / 3)]][side % 3];
+  }
   Ends ends(Side side) const {
     const std::uint32_t a = corner(side), b = corner(SidePairs::next(side));
     return {std::min(a, b), std::max(a, b)};

@@ -19,11 +19,11 @@ struct JoinRules {
 
 /// Which points become one, and why others do not.
 struct JoinedPoints {
-  std::vector<std::uint32_t> first;    ///< for each point the lowest point that it becomes one with (itself if none)
-  std::uint64_t edges_joined = 0;      ///< places where loose edges became one edge of two triangles
-  std::uint64_t edges_crowded = 0;     ///< places where three or more loose edges became one
-  std::uint64_t edges_refused = 0;     ///< places where edges that fall together stayed apart
-  std::uint64_t points_apart = 0;      ///< points that stay apart from the lowest point of their cluster
+  std::vector<std::uint32_t> first;  ///< for each point the lowest point that it becomes one with (itself if none)
+  std::uint64_t edges_joined = 0;    ///< places where loose edges became one edge of two triangles
+  std::uint64_t edges_crowded = 0;   ///< places where three or more loose edges became one
+  std::uint64_t edges_refused = 0;   ///< places where edges that fall together stayed apart
+  std::uint64_t points_apart = 0;    ///< points that stay apart from the lowest point of their cluster
 };
 
 /// Decides which points of each cluster become one: those whose loose edges fall together with other loose edges.
@@ -51,8 +51,8 @@ std::vector<std::uint32_t> points_at_same_place(std::span<const Vec3> points, co
 /// For each point whether it is the end of an edge of one triangle.
 std::vector<char> points_on_loose_edges(const Soup& soup, Context& context);
 
-/// Takes points of clusters out (each becomes its own) until joining the rest turns no triangle over: a triangle with an
-/// area whose normal would turn by 90 degrees or more keeps its moved corners apart.
+/// Takes points of clusters out (each becomes its own) until joining the rest turns no triangle over: a triangle with
+/// an area whose normal would turn by 90 degrees or more keeps its moved corners apart.
 /// @param cluster changed in place
 /// @param position where a set of points goes, by its lowest point; as long as `soup.points`
 /// @param joined of `cluster`; on return of the clusters that are left

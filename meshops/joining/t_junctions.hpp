@@ -18,9 +18,10 @@ struct TJunction {
   bool operator==(const TJunction&) const = default;
 };
 
-/// All vertices of boundary edges (edges of one triangle) that lie on the inner part of another boundary edge: within `tolerance` of it
-/// and farther than that from both ends; with a tolerance of 0 exactly on it. In order of triangle, side and share; of several
-/// within the tolerance of each other the first. Triangles without an area have none. O((edges + vertices) log edges).
+/// All vertices of boundary edges (edges of one triangle) that lie on the inner part of another boundary edge: within
+/// `tolerance` of it and farther than that from both ends; with a tolerance of 0 exactly on it. In order of triangle,
+/// side and share; of several within the tolerance of each other the first. Triangles without an area have none.
+/// O((edges + vertices) log edges).
 std::vector<TJunction> find_t_junctions(const Soup& soup, double tolerance, Context& context);
 
 /// A tolerance as a length: the larger of `absolute` and `relative` times the diagonal of the box of all points.

@@ -113,7 +113,8 @@ void renumber(Connectivity& mesh, const ElementMaps& maps, const std::vector<std
     // Also sets the previous half-edge of the next one, which nobody reads meanwhile, so every link is renumbered once.
     mesh.set_next_halfedge_handle(h, renumbered(mesh.next_halfedge_handle(h)));
   });
-  for_all(counts.faces, [&](int i) { mesh.set_halfedge_handle(FaceHandle(i), renumbered(mesh.halfedge_handle(FaceHandle(i)))); });
+  for_all(counts.faces,
+          [&](int i) { mesh.set_halfedge_handle(FaceHandle(i), renumbered(mesh.halfedge_handle(FaceHandle(i)))); });
 }
 
 }  // namespace

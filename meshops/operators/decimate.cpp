@@ -26,9 +26,9 @@ namespace {
 
 constexpr double boundary_weight = 10;  // of a boundary's upright planes against surface of the same extent
 constexpr double crease_weight = 1;
-constexpr double shape_weight = 1e-10;  // of the length of an edge: decides where there is no error, on planes
-constexpr double rounding = 1e-12;      // of the area times the squared length: costs that differ by less are equal
-constexpr double least_turn_cosine = 0.25;   // between the normals of a triangle before and after
+constexpr double shape_weight = 1e-10;      // of the length of an edge: decides where there is no error, on planes
+constexpr double rounding = 1e-12;          // of the area times the squared length: costs that differ by less are equal
+constexpr double least_turn_cosine = 0.25;  // between the normals of a triangle before and after
 constexpr std::size_t queue_block = 8192;
 
 enum class VertexKind : std::uint8_t { free, line, fixed };
@@ -57,11 +57,7 @@ struct Collapse {
 class Decimator {
  public:
   Decimator(MeshView view, const DecimateOptions& options, Context& context)
-      : view_(view),
-        mesh_(view.mesh),
-        options_(options),
-        context_(context),
-        queue_(view.mesh.n_edges()),
+      : view_(view), mesh_(view.mesh), options_(options), context_(context), queue_(view.mesh.n_edges()),
         stars_(view.mesh) {}
 
   Report run() {
@@ -282,7 +278,8 @@ class Decimator {
       if (end == 1 && c.place == ends[1]) break;  // what is around it does not change
       for (const auto& [a, b] : stars_.fan(end)) {
         const Vec3 &p = view_.point(a), &q = view_.point(b);
-        if (!directions_agree((q - p) % (ends[end] - p), (q - p) % (c.place - p), least_turn_cosine)) return Reason::flip;
+        if (!directions_agree((q - p) % (ends[end] - p), (q - p) % (c.place - p), least_turn_cosine))
+          return Reason::flip;
         worst = std::min(worst, roundness(p, q, c.place));
       }
     }
@@ -370,7 +367,7 @@ class Decimator {
   double per_unit_ = 1;
   double greatest_ = 0;
   PlainVector<Quadric> quadrics_;    ///< per vertex, relative to it
-  PlainVector<VertexKind> kinds_;          ///< per vertex
+  PlainVector<VertexKind> kinds_;    ///< per vertex
   PlainVector<std::uint8_t> lines_;  ///< per edge: on a boundary or seam
   std::vector<Reason> reasons_;      ///< per edge: why it was refused last
   std::vector<std::uint8_t> moved_;  ///< per vertex

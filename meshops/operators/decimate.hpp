@@ -19,8 +19,8 @@ struct DecimateOptions {
   /// vertex to the planes of the triangles it stands for (and to those that stand on boundaries and creases). That is
   /// no bound on the distance between the surfaces, which may be some times more: it is measured and reported.
   double max_error = std::numeric_limits<double>::infinity();
-  double feature_angle =
-      40 * std::numbers::pi / 180;  ///< radians between normals above which an edge is held as a crease
+  double feature_angle = 40 * std::numbers::pi / 180;  ///< radians between normals above which an edge is held as a
+                                                       ///< crease
   /// Triangles less round than this are not made, unless the place had one as bad: 1 is equilateral, 0 has no area.
   double min_roundness = 0.05;
 
@@ -39,8 +39,9 @@ struct DecimateOptions {
 /// Never done: a collapse that would change the topology (link condition [Dey et al. 1999]; boundary loops and
 /// components stay), turn a triangle over (more than about 75 degrees), make a needle (see `min_roundness`), join two
 /// boundaries or seams, cut a chord between two places of one, or make more pairs of triangles cross than did before
-/// (exact, `CrossingGuard`): a mesh that does not intersect itself does not do so afterwards. Corners at which three seams or boundaries meet stay
-/// where they are. A boundary or crease moves within the error only; a straight one stays straight.
+/// (exact, `CrossingGuard`): a mesh that does not intersect itself does not do so afterwards. Corners at which three
+/// seams or boundaries meet stay where they are. A boundary or crease moves within the error only; a straight one stays
+/// straight.
 ///
 /// With a selection only its faces count for the targets, and all vertices stay around which there is a face outside.
 ///

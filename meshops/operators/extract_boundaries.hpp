@@ -9,10 +9,10 @@
 namespace tri {
 
 namespace property {
-inline constexpr const char* boundary_loop =
-    "boundary_loop";  ///< int on vertices and edges, 0-based loop; -1 off the boundary
-inline constexpr const char* boundary_outer =
-    "boundary_outer";  ///< int on edges, 1 outer loop, 0 nested loop, -1 off the boundary
+inline constexpr const char* boundary_loop = "boundary_loop";  ///< int on vertices and edges, 0-based loop; -1 off the
+                                                               ///< boundary
+inline constexpr const char* boundary_outer = "boundary_outer";  ///< int on edges, 1 outer loop, 0 nested loop, -1 off
+                                                                 ///< the boundary
 }  // namespace property
 
 /// Which properties the loops are written to; the report has them in any case.

@@ -17,7 +17,7 @@ enum class Fairness { none, position, tangent, curvature };
 /// Which loops are filled, and how.
 struct FillHolesOptions {
   HoleStrategy strategy = HoleStrategy::least_bending;  ///< what is least in the filling
-  int max_edges = 100000;  ///< loops with more edges stay open
+  int max_edges = 100000;                               ///< loops with more edges stay open
   /// Model units; loops with two vertices farther apart stay open.
   double max_diameter = std::numeric_limits<double>::infinity();
   /// Loops with more edges are optimised piece by piece (`fill_ring`), so that the cubic cost of searching all

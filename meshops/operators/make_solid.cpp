@@ -60,7 +60,8 @@ void turn_outward(Soup& soup, Report& report, Context& context) {
     report.touched_faces.insert(report.touched_faces.end(), shell.triangles.begin(), shell.triangles.end());
   }
   std::ranges::sort(report.touched_faces);
-  report.touched_faces.erase(std::unique(report.touched_faces.begin(), report.touched_faces.end()), report.touched_faces.end());
+  report.touched_faces.erase(std::unique(report.touched_faces.begin(), report.touched_faces.end()),
+                             report.touched_faces.end());
 }
 
 void tell_what_is_left(const Soup& soup, const SurfaceContacts& left, bool touching_counts, Report& report,
@@ -156,7 +157,8 @@ Attempt attempt_with_floats(const Soup& soup, const Soup& as_floats, const MakeS
   }
   if (best.touching == 0) return best;
   Attempt parted = best;
-  part_touching_vertices(parted.soup, parted_share * options.max_deviation * soup_diagonal(soup), parted.report, context);
+  part_touching_vertices(parted.soup, parted_share * options.max_deviation * soup_diagonal(soup), parted.report,
+                         context);
   look(parted, context);
   return parted.better_than(best) ? parted : best;
 }

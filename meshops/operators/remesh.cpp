@@ -33,10 +33,10 @@ namespace {
 using EdgeKind = EdgeLines::Kind;
 
 constexpr double longest = 4.0 / 3, shortest = 4.0 / 5;  // of the length aimed at
-constexpr double least_tilt_cosine = 0.2;                     // between the normals of a triangle before and after
+constexpr double least_tilt_cosine = 0.2;                // between the normals of a triangle before and after
 constexpr double flip_cosine = 0.8;                      // between the normals of two triangles before and after a flip
 constexpr double least_roundness = 0.2;  // of triangles made by a flip or collapse, unless worse ones go
-constexpr double line_share = 0.05;   // of the length: how far a line may be cut short
+constexpr double line_share = 0.05;      // of the length: how far a line may be cut short
 constexpr double still = 1e-6;           // of the length: vertices that would move less stay
 constexpr double most_triangles = 1 << 28;
 constexpr std::size_t remesh_block = 2048;
@@ -44,12 +44,7 @@ constexpr std::size_t remesh_block = 2048;
 class Remesher {
  public:
   Remesher(MeshView view, const RemeshOptions& options, Context& context)
-      : view_(view),
-        mesh_(view.mesh),
-        options_(options),
-        context_(context),
-        stars_(view.mesh),
-        before_(view, &context),
+      : view_(view), mesh_(view.mesh), options_(options), context_(context), stars_(view.mesh), before_(view, &context),
         values_(view, before_) {}
 
   Report run() {
@@ -153,8 +148,8 @@ class Remesher {
     }
   }
 
-  /// Whether, with a selection, a triangle of the edge has a longer side. That may be at the rim, where nothing is split,
-  /// and halving what is beside it would never end.
+  /// Whether, with a selection, a triangle of the edge has a longer side. That may be at the rim, where nothing is
+  /// split, and halving what is beside it would never end.
   bool beside_longer(EdgeHandle e) const {
     if (!view_.selection) return false;
     for (HalfedgeHandle h : {mesh_.halfedge_handle(e, 0), mesh_.halfedge_handle(e, 1)})
@@ -169,7 +164,8 @@ class Remesher {
   bool stands_off(EdgeHandle e) const {
     const HalfedgeHandle h = mesh_.halfedge_handle(e, 0);
     const VertexHandle v = mesh_.from_vertex_handle(h);
-    return vector_of(h).norm() > 4 * options_.max_error && too_far(view_.point(v) + 0.5 * vector_of(h), near_[index(v)]);
+    return vector_of(h).norm() > 4 * options_.max_error &&
+           too_far(view_.point(v) + 0.5 * vector_of(h), near_[index(v)]);
   }
 
   void split(EdgeHandle e) {
@@ -238,8 +234,7 @@ class Remesher {
       const double there = collapse_cost(h), back = collapse_cost(o);
       for (const bool forth : {there <= back, there > back}) {
         const HalfedgeHandle g = forth ? h : o;
-        if (std::isinf(forth ? there : back) ||
-            guard_->collapse_makes_worse(g, view_.point(mesh_.to_vertex_handle(g))))
+        if (std::isinf(forth ? there : back) || guard_->collapse_makes_worse(g, view_.point(mesh_.to_vertex_handle(g))))
           continue;
         do_collapse(g);
         break;
@@ -327,8 +322,7 @@ class Remesher {
         // The sum of squares changes by twice this, plus 4.
         const int change = -excess[index(a)] - excess[index(b)] + excess[index(c)] + excess[index(d)] + 2;
         if (change > 0) continue;
-        if (!flip_is_good(a, b, c, d, change < 0) || !mesh_.is_flip_ok(e) || guard_->flip_makes_worse(e))
-          continue;
+        if (!flip_is_good(a, b, c, d, change < 0) || !mesh_.is_flip_ok(e) || guard_->flip_makes_worse(e)) continue;
         flip_edge(view_, e);
         guard_->done();
         --excess[index(a)], --excess[index(b)], ++excess[index(c)], ++excess[index(d)];
@@ -519,7 +513,8 @@ class Remesher {
     if (crossings_ > 0) report_.figures["crossing pairs"] = static_cast<double>(crossings_);
     if (crossings_ > crossings_before_)
       report_.notes.push_back(fmt::format("{} pairs of triangles cross, {} did before; one at ({:.6g}, {:.6g}, {:.6g})",
-                                          crossings_, crossings_before_, crossing_at_[0], crossing_at_[1], crossing_at_[2]));
+                                          crossings_, crossings_before_, crossing_at_[0], crossing_at_[1],
+                                          crossing_at_[2]));
     report_.figures["length"] = options_.adaptive && edges > 0 ? aim / edges : lengths_.longest();
     before_.compare(view_, report_, &context_);
     if (bounded() && !report_.unchanged()) report_distance(before_, view_, report_, context_);
@@ -561,7 +556,7 @@ class Remesher {
   std::optional<EdgeLines> lines_;
 
   TargetLengths lengths_;
-  std::vector<EdgeKind> kinds_;          ///< per vertex
+  std::vector<EdgeKind> kinds_;      ///< per vertex
   std::vector<std::uint32_t> near_;  ///< per vertex: a triangle of the input close by
   std::vector<std::int32_t> line_;   ///< per edge
   std::vector<Vec3> to_;             ///< per vertex: where it would move

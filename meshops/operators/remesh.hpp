@@ -18,8 +18,8 @@ struct RemeshOptions {
   int iterations = 6;  ///< rounds of splitting, collapsing, flipping and smoothing
   /// Edges as long as the curvature and `max_error` allow, and no longer than `length`.
   bool adaptive = false;
-  double min_length =
-      0;  ///< model units; with `adaptive` no edge is aimed at that is shorter. 0: a twentieth of `length`
+  double min_length = 0;  ///< model units; with `adaptive` no edge is aimed at that is shorter. 0: a twentieth of
+                          ///< `length`
   /// Model units: nothing is done that takes the middle of an edge or triangle farther from the input, and edges that
   /// are farther off are split. No bound on other places, nor on how far the input is from the result: both are
   /// measured and reported. `adaptive` needs it.
@@ -48,8 +48,8 @@ struct RemeshOptions {
 /// Values of vertices and corners are those of the input at the new places. With a selection the rim of it stays.
 /// Figures: "length" (aimed at; adaptive: the mean), "greatest distance" (of vertices, middles of edges and of
 /// triangles to the input), "edges in range" (share within 4/5 to 4/3 of what was aimed at), "smallest angle"
-/// (degrees), "faces"; "crossing pairs" of triangles, if there are any, and a note if there are more than before; with `max_error` those of
-/// `report_distance`.
+/// (degrees), "faces"; "crossing pairs" of triangles, if there are any, and a note if there are more than before; with
+/// `max_error` those of `report_distance`.
 ///
 /// Near-linear. Smoothing and projection use all threads, the rest is serial; the same result for any number of
 /// threads. On cancel (checked every 256 edges) the mesh is valid, somewhere on the way; values are as far as they were

@@ -17,7 +17,8 @@ const OptionSchema& RemoveComponentsOptions::schema() {
           .number("min-area", &O::min_area, {.unit = "mm2", .min = 0, .help = "components of less area go"})
           .number("min-volume", &O::min_volume,
                   {.unit = "mm3", .min = 0, .help = "components that enclose less go; open ones enclose nothing"})
-          .integer("min-triangles", &O::min_triangles, {.unit = "triangles", .min = 0, .help = "components of fewer go"})
+          .integer("min-triangles", &O::min_triangles,
+                   {.unit = "triangles", .min = 0, .help = "components of fewer go"})
           .integer("keep", &O::keep,
                    {.unit = "components", .min = 0, .help = "how many stay, those of the largest area; 0: all"});
   return schema;

@@ -128,8 +128,8 @@ class Cleaner {
   Measure measure(const Triangle& t) const { return measure(work_, t, options_); }
   const Vec3& point(std::uint32_t v) const { return work_.points[v]; }
 
-  /// Triangles at a vertex, and some that were there. Lists of their own only for vertices that were asked for: those of all
-  /// would take as long to be given back as to be made.
+  /// Triangles at a vertex, and some that were there. Lists of their own only for vertices that were asked for: those
+  /// of all would take as long to be given back as to be made.
   List& at(std::uint32_t v) {
     const auto [found, added] = at_.try_emplace(v);
     if (added) found->second.assign(given_.begin() + first_[v], given_.begin() + first_[v + 1]);
@@ -140,7 +140,9 @@ class Cleaner {
     std::erase_if(list, [&](std::uint32_t t) { return !alive_[t] || !has(t, v); });
     return list;
   }
-  bool has(std::uint32_t t, std::uint32_t v) const { return std::ranges::find(work_.triangles[t], v) != work_.triangles[t].end(); }
+  bool has(std::uint32_t t, std::uint32_t v) const {
+    return std::ranges::find(work_.triangles[t], v) != work_.triangles[t].end();
+  }
   List triangles_at_edge(std::uint32_t a, std::uint32_t b) {
     List result;
     for (const std::uint32_t t : triangles_at(a))
@@ -275,7 +277,9 @@ class Cleaner {
       c.change.push_back(t);
       before.add(measure(old));
       after.add(measure(now));
-      nearest = std::min(nearest, (closest_on_triangle({point(now[0]), point(now[1]), point(now[2])}, point(goes)) - point(goes)).norm());
+      nearest = std::min(
+          nearest,
+          (closest_on_triangle({point(now[0]), point(now[1]), point(now[2])}, point(goes)) - point(goes)).norm());
       for (const std::uint32_t other : triangles_at(stays))
         if (other != t && has(other, now[0]) && has(other, now[1]) && has(other, now[2])) return std::nullopt;
     }
@@ -311,9 +315,10 @@ class Cleaner {
     for (const std::uint32_t t : c.change) now.push_back(replaced(work_.triangles[t], c.goes, c.stays));
     const ClosestTriangle before(work_.points, old), after(work_.points, now);
     const auto within = [&](const std::vector<Triangle>& from, const ClosestTriangle& to) {
-      return std::ranges::none_of(from, [&](const Triangle& t) { 
+      return std::ranges::none_of(from, [&](const Triangle& t) {
         std::uint32_t hint = 0;
-        return reach_of({point(t[0]), point(t[1]), point(t[2])}, to, left, most_pieces, hint).verdict != ReachOfTriangle::Verdict::within;
+        return reach_of({point(t[0]), point(t[1]), point(t[2])}, to, left, most_pieces, hint).verdict !=
+               ReachOfTriangle::Verdict::within;
       });
     };
     if (!within(old, after) || !within(now, before)) return false;
@@ -326,7 +331,8 @@ class Cleaner {
     for (int k = 0; k < 3; ++k) {
       if (k == shape.longest && shape.longest != shape.shortest) continue;
       const std::uint32_t a = corners[static_cast<std::size_t>(k)], b = corners[static_cast<std::size_t>((k + 1) % 3)];
-      for (const auto& [goes, stays] : {std::pair{std::max(a, b), std::min(a, b)}, std::pair{std::min(a, b), std::max(a, b)}}) {
+      for (const auto& [goes, stays] :
+           {std::pair{std::max(a, b), std::min(a, b)}, std::pair{std::min(a, b), std::max(a, b)}}) {
         std::optional<Collapse> c = check(goes, stays, shape);
         if (c && (!best || c->displacement < best->displacement)) best = std::move(c);
       }
@@ -349,11 +355,13 @@ class Cleaner {
   void carry_corner(const Collapse& c, std::uint32_t t) {
     if (work_.corner_scalars.empty()) return;
     const auto corner = [&](std::uint32_t triangle, std::uint32_t v) {
-      return 3 * triangle + static_cast<std::size_t>(std::ranges::find(work_.triangles[triangle], v) - work_.triangles[triangle].begin());
+      return 3 * triangle + static_cast<std::size_t>(std::ranges::find(work_.triangles[triangle], v) -
+                                                     work_.triangles[triangle].begin());
     };
     for (const std::uint32_t gone : c.vanish) {
       bool same = true;
-      for (const auto& [name, values] : work_.corner_scalars) same &= values[corner(gone, c.goes)] == values[corner(t, c.goes)];
+      for (const auto& [name, values] : work_.corner_scalars)
+        same &= values[corner(gone, c.goes)] == values[corner(t, c.goes)];
       if (!same) continue;
       for (auto& [name, values] : work_.corner_scalars) values[corner(t, c.goes)] = values[corner(gone, c.stays)];
       return;
@@ -384,7 +392,8 @@ class Cleaner {
     }
     std::vector<std::uint32_t> number(used.size());
     std::uint32_t next = 0;
-    for (std::size_t v = 0; v < used.size(); ++v, pace()) number[v] = used[v] || !used_before_[v] ? next++ : dropped_point;
+    for (std::size_t v = 0; v < used.size(); ++v, pace())
+      number[v] = used[v] || !used_before_[v] ? next++ : dropped_point;
     report_.vertices_removed = used.size() - next;
     if (report_.vertices_removed > 0) renumber_points(work_, number, next, &context_);
     result = std::move(work_);
@@ -394,7 +403,7 @@ class Cleaner {
   const RemoveDegenerateOptions& options_;
   Context& context_;
   std::vector<char> alive_, changed_, used_before_;
-  std::vector<double> drift_;  // of triangles: how far from where the surface was at first, at most
+  std::vector<double> drift_;                 // of triangles: how far from where the surface was at first, at most
   std::vector<std::uint32_t> first_, given_;  // triangles at each vertex at first
   std::unordered_map<std::uint32_t, List> at_;
   List new_degenerate_;

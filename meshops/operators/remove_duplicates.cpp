@@ -36,7 +36,8 @@ void for_edges(const Triangle& t, const Visit& visit) {
 }
 
 /// For each pair whether it belongs to a wall between solids.
-std::vector<char> walls(const Soup& soup, const std::vector<Pair>& pairs, const std::vector<char>& keep, const Context& context) {
+std::vector<char> walls(const Soup& soup, const std::vector<Pair>& pairs, const std::vector<char>& keep,
+                        const Context& context) {
   Pace pace(context, 1024);
   struct AtEdge {
     std::vector<std::uint32_t> pairs;
@@ -51,7 +52,8 @@ std::vector<char> walls(const Soup& soup, const std::vector<Pair>& pairs, const 
   for (std::size_t t = 0; t < soup.triangles.size(); ++t, pace()) {
     if (!keep[t] || paired[t] || repeats_vertex(soup.triangles[t])) continue;
     for_edges(soup.triangles[t], [&](const Edge& e, bool forward) {
-      if (const auto found = edges.find(e); found != edges.end()) ++(forward ? found->second.forward : found->second.backward);
+      if (const auto found = edges.find(e); found != edges.end())
+        ++(forward ? found->second.forward : found->second.backward);
     });
   }
   DisjointSets patches(pairs.size());
@@ -132,7 +134,8 @@ Report remove_duplicates(Soup& soup, const RemoveDuplicatesOptions& options, Con
   }
   std::sort(pairs.begin(), pairs.end());
   std::sort(same_way.begin(), same_way.end());
-  const std::vector<char> wall = options.opposite == OppositePairs::automatic ? walls(soup, pairs, keep, context) : std::vector<char>();
+  const std::vector<char> wall =
+      options.opposite == OppositePairs::automatic ? walls(soup, pairs, keep, context) : std::vector<char>();
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     if (options.opposite == OppositePairs::keep) continue;
     keep[pairs[p][1]] = 0;

@@ -50,8 +50,8 @@ struct RemoveRedundantOptions {
 ///
 /// No bow-tie is left where the mesh had none: where deletion leaves several fans of triangles at a vertex, only the
 /// fan with the most triangles stays (then the larger area, then the lower face index) and the others go too, counted
-/// as "at bow-ties"; with `keep_vertices` or a selection instead the narrowest gaps between fans are closed again, that is, their
-/// triangles are spared, counted in `skipped`
+/// as "at bow-ties"; with `keep_vertices` or a selection instead the narrowest gaps between fans are closed again, that
+/// is, their triangles are spared, counted in `skipped`
 /// ("spared for a bow-tie"; "spared for a vertex" are those that kept a vertex's last face).
 ///
 /// Faces are marked as deleted, as are edges without a face and (without `keep_vertices`) vertices that lost their last

@@ -19,19 +19,28 @@ namespace {
 constexpr double refill_share = 0.75;  ///< of what is allowed, where both methods may follow each other
 constexpr std::size_t most_notes = 10;
 
-std::string text_of(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
+std::string text_of(const Vec3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
 
 void tell_places_not_refilled(const std::vector<PlaceLeft>& places, double farthest, Report& report) {
   for (std::size_t i = 0; i < std::min(most_notes, places.size()); ++i) {
     const PlaceLeft& place = places[i];
     std::string why;
     switch (place.reason) {
-      case PlaceLeft::Reason::shape: why = "no small patch around them is a disk"; break;
-      case PlaceLeft::Reason::crosses: why = "every filling would cross something"; break;
-      case PlaceLeft::Reason::too_far: why = fmt::format("the surface would move by more than {:.3g}", farthest); break;
+      case PlaceLeft::Reason::shape:
+        why = "no small patch around them is a disk";
+        break;
+      case PlaceLeft::Reason::crosses:
+        why = "every filling would cross something";
+        break;
+      case PlaceLeft::Reason::too_far:
+        why = fmt::format("the surface would move by more than {:.3g}", farthest);
+        break;
     }
-    report.notes.push_back(fmt::format("near {}, where {} pairs of triangles cross, nothing was cut out and refilled: {}",
-                                       text_of(place.at), place.pairs, why));
+    report.notes.push_back(
+        fmt::format("near {}, where {} pairs of triangles cross, nothing was cut out and refilled: {}",
+                    text_of(place.at), place.pairs, why));
   }
 }
 
@@ -45,7 +54,8 @@ void tell_what_still_crosses(const Soup& soup, const std::vector<std::array<std:
     if (report.notes.size() >= 2 * most_notes) return;
     const Triangle& t = soup.triangles[triangle];
     report.notes.push_back(fmt::format("near {}, {} pairs of triangles still cross",
-                                       text_of((soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3.0), count));
+                                       text_of((soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3.0),
+                                       count));
   }
 }
 
@@ -56,10 +66,13 @@ const OptionSchema& RemoveSelfIntersectionsOptions::schema() {
   static const OptionSchema schema =
       Schema<O>()
           .choice("method", &O::method,
-                  {{"automatic", CrossingMethod::automatic}, {"refill", CrossingMethod::refill}, {"split", CrossingMethod::split}},
+                  {{"automatic", CrossingMethod::automatic},
+                   {"refill", CrossingMethod::refill},
+                   {"split", CrossingMethod::split}},
                   {.help = "cut out and refill, cut along each other, or the one where that can be and else the other"})
-          .number("max-deviation", &O::max_deviation,
-                  {.unit = "of the diagonal", .min = 0, .max = 0.1, .help = "the surface moves nowhere farther than this"});
+          .number(
+              "max-deviation", &O::max_deviation,
+              {.unit = "of the diagonal", .min = 0, .max = 0.1, .help = "the surface moves nowhere farther than this"});
   return schema;
 }
 
@@ -91,8 +104,10 @@ Report remove_self_intersections(Soup& soup, const RemoveSelfIntersectionsOption
   if (options.method != CrossingMethod::refill && !crossing.empty()) {
     const SplitReport split = split_crossings(work, crossing.size(), left_to_move, report, context);
     if (split.cut > 0) report.figures["faces cut"] = static_cast<double>(split.cut);
-    if (split.left > 0) crossing = surface_contacts(work.points, work.triangles, context).crossing;
-    else crossing.clear();
+    if (split.left > 0)
+      crossing = surface_contacts(work.points, work.triangles, context).crossing;
+    else
+      crossing.clear();
   }
   if (!crossing.empty()) {
     report.skipped["pairs that still cross"] = crossing.size();

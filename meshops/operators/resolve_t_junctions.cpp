@@ -20,7 +20,8 @@ std::vector<Triangle> pieces(const Triangle& t, const std::array<std::vector<std
     const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
     const auto &ab = on_side[k], &bc = on_side[(k + 1) % 3], &ca = on_side[(k + 2) % 3];
     std::vector<Triangle> result;
-    const auto fan = [&](std::uint32_t apex, std::uint32_t from, const std::vector<std::uint32_t>& between, std::uint32_t to) {
+    const auto fan = [&](std::uint32_t apex, std::uint32_t from, const std::vector<std::uint32_t>& between,
+                         std::uint32_t to) {
       std::uint32_t last = from;
       for (const std::uint32_t v : between) {
         result.push_back({apex, last, v});

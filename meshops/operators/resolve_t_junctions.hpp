@@ -17,19 +17,21 @@ struct ResolveTJunctionsOptions {
   static const OptionSchema& schema();
 };
 
-/// Splits boundary edges (edges of one triangle) where other boundary vertices lie on them, and joins what then coincides.
+/// Splits boundary edges (edges of one triangle) where other boundary vertices lie on them, and joins what then
+/// coincides.
 ///
-/// A vertex is on an edge if it is within the tolerance of its inner part and farther than that from both ends. Each edge is
-/// looked at once and split at all its vertices, in order along it; of vertices within the tolerance of each other one
-/// is taken. The triangle at the edge is cut into as many more; the new corners lie exactly at the vertices, their
-/// attributes are interpolated along the edge, those of the pieces are the triangle's. The edges that now lie together
-/// are joined, as `stitch_boundaries` does; where that is not possible (an edge would get a third triangle) they stay
-/// apart. Never turns a triangle over: the triangle then stays whole. Triangles without area are left alone. Pieces come
-/// last. O((edges + vertices) log edges).
+/// A vertex is on an edge if it is within the tolerance of its inner part and farther than that from both ends. Each
+/// edge is looked at once and split at all its vertices, in order along it; of vertices within the tolerance of each
+/// other one is taken. The triangle at the edge is cut into as many more; the new corners lie exactly at the vertices,
+/// their attributes are interpolated along the edge, those of the pieces are the triangle's. The edges that now lie
+/// together are joined, as `stitch_boundaries` does; where that is not possible (an edge would get a third triangle)
+/// they stay apart. Never turns a triangle over: the triangle then stays whole. Triangles without area are left alone.
+/// Pieces come last. O((edges + vertices) log edges).
 ///
-/// Counts: `vertices_added`, `faces_added` and, where ends were joined, `vertices_removed`. Figures: "edges split", "T-junctions", "edges
-/// joined". `skipped`: "triangle would turn over". `touched_faces` are the pieces.
-/// @throws InvalidInput if an option is out of range or the soup is inconsistent; Cancelled. The soup is then as it was.
+/// Counts: `vertices_added`, `faces_added` and, where ends were joined, `vertices_removed`. Figures: "edges split",
+/// "T-junctions", "edges joined". `skipped`: "triangle would turn over". `touched_faces` are the pieces.
+/// @throws InvalidInput if an option is out of range or the soup is inconsistent; Cancelled. The soup is then as it
+/// was.
 Report resolve_t_junctions(Soup& soup, const ResolveTJunctionsOptions& options, Context& context);
 
 }  // namespace tri

@@ -31,13 +31,13 @@ struct SmoothOptions {
   /// taubin: at most 0.65. cotangent: a time step that does about as much as a laplace iteration of this strength, at
   /// most 100.
   double strength = 0.5;
-  double feature_angle =
-      44 * std::numbers::pi / 180;  ///< radians; edges with a larger angle between normals are creases
-  int min_feature_edges = 10;       ///< creases that hang together in fewer edges are noise
-  LineRule creases = LineRule::fixed;   ///< what becomes of vertices on creases
-  LineRule boundary = LineRule::fixed;  ///< what becomes of vertices on the boundary
-  double max_distance =
-      std::numeric_limits<double>::infinity();  ///< model units; no vertex ends farther from its start
+  double feature_angle = 44 * std::numbers::pi / 180;  ///< radians; edges with a larger angle between normals are
+                                                       ///< creases
+  int min_feature_edges = 10;                          ///< creases that hang together in fewer edges are noise
+  LineRule creases = LineRule::fixed;                  ///< what becomes of vertices on creases
+  LineRule boundary = LineRule::fixed;                 ///< what becomes of vertices on the boundary
+  double max_distance = std::numeric_limits<double>::infinity();  ///< model units; no vertex ends farther from its
+                                                                  ///< start
 
   /// The fields as options with units, ranges and help; read-only, from any thread.
   static const OptionSchema& schema();

@@ -45,7 +45,8 @@ Report split_non_manifold(Soup& soup, const SplitNonManifoldOptions& options, Co
   touched(repairs.reversed_triangles);
   touched(repairs.detached_triangles);
   std::ranges::sort(report.touched_faces);
-  report.touched_faces.erase(std::unique(report.touched_faces.begin(), report.touched_faces.end()), report.touched_faces.end());
+  report.touched_faces.erase(std::unique(report.touched_faces.begin(), report.touched_faces.end()),
+                             report.touched_faces.end());
   report.faces_reversed = repairs.reversed_triangles.size();
   report.vertices_added = repairs.copied_points.size();
   const auto figure = [&](const char* name, std::size_t count) {

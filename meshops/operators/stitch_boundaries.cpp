@@ -86,7 +86,8 @@ bool joins_nothing(const JoinedPoints& joined) {
 std::vector<Vec3> at_middle(const Soup& soup, const JoinedPoints& joined) {
   std::vector<Vec3> moved = soup.points;
   for (std::size_t i = 0; i < moved.size(); ++i)
-    if (const std::uint32_t first = joined.first[i]; first != i) moved[i] = moved[first] = (soup.points[first] + soup.points[i]) / 2;
+    if (const std::uint32_t first = joined.first[i]; first != i)
+      moved[i] = moved[first] = (soup.points[first] + soup.points[i]) / 2;
   return moved;
 }
 
@@ -145,8 +146,8 @@ Report stitch_boundaries(Soup& soup, const StitchBoundariesOptions& options, Con
     context.checkpoint();
     std::vector<std::uint32_t> cluster = mutually_nearest(work, options.tolerance, context);
     joined = join_points(work, cluster, rules, context);
-    const std::uint64_t turned = keep_from_turning_over(
-        work, cluster, rules, context, joined, [&](const JoinedPoints& j) { return at_middle(work, j); });
+    const std::uint64_t turned = keep_from_turning_over(work, cluster, rules, context, joined,
+                                                        [&](const JoinedPoints& j) { return at_middle(work, j); });
     if (joins_nothing(joined)) {
       skipped("triangle would turn over", turned);
       skipped("edges that would be crowded, or run the same way", joined.edges_refused);

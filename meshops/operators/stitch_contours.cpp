@@ -20,13 +20,8 @@ constexpr int contour_passes = 4;
 class Stitcher {
  public:
   Stitcher(MeshView view, const StitchContoursOptions& options, Context& context, Report& report)
-      : view_(view),
-        mesh_(view.mesh),
-        options_(options),
-        context_(context),
-        report_(report),
-        first_new_face_(mesh_.n_faces()),
-        spacing_(local_spacing(view, &context)),
+      : view_(view), mesh_(view.mesh), options_(options), context_(context), report_(report),
+        first_new_face_(mesh_.n_faces()), spacing_(local_spacing(view, &context)),
         facing_(view, spacing_, {options.max_gap, options.max_distance, options.max_turn}) {}
 
   void run() {
@@ -90,8 +85,9 @@ class Stitcher {
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       context_.checkpoint();
       if (i % 16 == 0)
-        context_.progress("stitch-contours",
-                          0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / contour_passes);
+        context_.progress(
+            "stitch-contours",
+            0.5 + 0.5 * (pass + static_cast<double>(i) / static_cast<double>(seeds.size())) / contour_passes);
       if (is_corner(seeds[i].first) || is_corner(seeds[i].second)) continue;
       const auto run = facing_.grow(seeds[i]);
       if (run) join(*run);

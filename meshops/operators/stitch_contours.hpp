@@ -54,8 +54,8 @@ struct StitchContoursOptions {
 /// that is no run of boundary half-edges), "pair without two contours" (the edge property), "contours do not fit" (no
 /// strip without such a triangle, edge or vertex), "corner larger than max-corner-edges", "corner without a
 /// triangulation", "kept open by the reference" (corners only). Contours in the same place are not joined: that is a
-/// weld. With a selection, only boundary edges that it allows to fill are joined. Figures: "contours joined", "corners closed". On cancel (checked between contours): what was joined so far
-/// stays and the mesh is valid.
+/// weld. With a selection, only boundary edges that it allows to fill are joined. Figures: "contours joined", "corners
+/// closed". On cancel (checked between contours): what was joined so far stays and the mesh is valid.
 /// @throws InvalidInput if an option is out of range; the mesh is untouched.
 Report stitch_contours(MeshView mesh, const StitchContoursOptions& options, Context& context);
 

@@ -27,7 +27,7 @@ enum class SubdivisionGuard {
 struct SubdivideOptions {
   SubdivisionScheme scheme = SubdivisionScheme::loop;  ///< where new and old vertices go
   SubdivisionGuard guard = SubdivisionGuard::folds;    ///< not midpoint: what keeps vertices back
-  int levels = 1;  ///< each makes four triangles of one
+  int levels = 1;                                      ///< each makes four triangles of one
   /// Radians; not midpoint: edges with a larger angle between normals before the first level stay sharp, on every
   /// level.
   double feature_angle = 60 * std::numbers::pi / 180;
@@ -59,10 +59,11 @@ struct SubdivideOptions {
 /// `midpoint` is the better choice.
 ///
 /// Handles of all elements stay; a face keeps its handle for one of its four pieces, an edge for one of its halves. New
-/// vertices inherit the mean of the ends of their edge, faces what they are a piece of (see meshops/editing/mesh_edit.hpp); the
-/// values of old vertices stay. Linear in what is made. `touched_faces`, `touched_vertices`: all that changed or are
-/// new. `vertices_moved` counts old vertices. `skipped`: "edges of triangles back to back", whose pieces would have
-/// edges twice. Points are computed in parallel, with the same result for any number of threads; splitting is serial.
+/// vertices inherit the mean of the ends of their edge, faces what they are a piece of (see
+/// meshops/editing/mesh_edit.hpp); the values of old vertices stay. Linear in what is made. `touched_faces`,
+/// `touched_vertices`: all that changed or are new. `vertices_moved` counts old vertices. `skipped`: "edges of
+/// triangles back to back", whose pieces would have edges twice. Points are computed in parallel, with the same result
+/// for any number of threads; splitting is serial.
 ///
 /// On cancel (checked every 1024 edges) the mesh is valid, and its surface is exactly that of the last whole level:
 /// some edges are split, in their middle.

@@ -16,8 +16,8 @@ struct ThinOptions {
 };
 
 /// Keeps one measured point in each voxel of a regular grid: the one nearest the mean of the voxel's points (the
-/// earliest of those equally near, to a millionth). No point is invented or moved; all columns stay with their points, which keep their
-/// order.
+/// earliest of those equally near, to a millionth). No point is invented or moved; all columns stay with their points,
+/// which keep their order.
 ///
 /// The grid starts at the origin, so that a point's voxel does not depend on the other points, and a second run changes
 /// nothing. Parallel sorting by voxel; 16 bytes a point.

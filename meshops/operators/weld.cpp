@@ -58,14 +58,16 @@ class Clusters {
       tree.nearest(places[i], most, near);
       for (const auto& n : near)
         if (n.index != i && n.squared_distance <= limit_)
-          pairs.push_back({n.squared_distance, std::min(source[i], source[n.index]), std::max(source[i], source[n.index])});
+          pairs.push_back(
+              {n.squared_distance, std::min(source[i], source[n.index]), std::max(source[i], source[n.index])});
     }
     Pace pace(context);
     std::sort(pairs.begin(), pairs.end(), [&](const NearPair& a, const NearPair& b) {
       pace();
       return a < b;
     });
-    pairs.erase(std::unique(pairs.begin(), pairs.end(), [](const NearPair& p, const NearPair& q) { return p.a == q.a && p.b == q.b; }),
+    pairs.erase(std::unique(pairs.begin(), pairs.end(),
+                            [](const NearPair& p, const NearPair& q) { return p.a == q.a && p.b == q.b; }),
                 pairs.end());
     return pairs;
   }
@@ -84,7 +86,8 @@ class Clusters {
   bool may_unite(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) const {
     for (const std::uint32_t i : a)
       for (const std::uint32_t j : b)
-        if ((soup_.points[i] - soup_.points[j]).sqrnorm() > limit_ || std::ranges::find(neighbors_[i], j) != neighbors_[i].end())
+        if ((soup_.points[i] - soup_.points[j]).sqrnorm() > limit_ ||
+            std::ranges::find(neighbors_[i], j) != neighbors_[i].end())
           return false;
     return true;
   }
@@ -138,8 +141,9 @@ const OptionSchema& WeldOptions::schema() {
   using O = WeldOptions;
   static const OptionSchema schema =
       Schema<O>()
-          .number("tolerance", &O::tolerance,
-                  {.unit = "mm", .min = 0, .help = "loose vertices no farther apart become one; 0: only coincident ones"})
+          .number(
+              "tolerance", &O::tolerance,
+              {.unit = "mm", .min = 0, .help = "loose vertices no farther apart become one; 0: only coincident ones"})
           .boolean("touching", &O::touching, {.help = "coincident vertices become one even if they only touch there"});
   return schema;
 }

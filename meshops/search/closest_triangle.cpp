@@ -7,7 +7,8 @@
 
 namespace tri {
 
-ClosestTriangle::ClosestTriangle(std::span<const Vec3> points, std::span<const Triangle> triangles, const Context* context) {
+ClosestTriangle::ClosestTriangle(std::span<const Vec3> points, std::span<const Triangle> triangles,
+                                 const Context* context) {
   Pace pace(context);
   if (triangles.empty()) throw InvalidInput("a surface without triangles has no closest point");
   std::vector<Box> boxes;

@@ -11,16 +11,20 @@ namespace tri {
 
 /// Spreads the bits of an index, for hash tables.
 struct IndexHash {
-  std::size_t operator()(std::uint32_t index) const { return static_cast<std::size_t>(index * 0x9e3779b97f4a7c15u >> 20); }
+  std::size_t operator()(std::uint32_t index) const {
+    return static_cast<std::size_t>(index * 0x9e3779b97f4a7c15u >> 20);
+  }
 };
 
-/// Numbers of keys. In two blocks of memory, so that millions of them are gone at once, unlike nodes of std::unordered_map, for
-/// whose end a cancel would have to wait.
+/// Numbers of keys. In two blocks of memory, so that millions of them are gone at once, unlike nodes of
+/// std::unordered_map, for whose end a cancel would have to wait.
 template <class Key, class Hash = IndexHash>
 class NumberMap {
  public:
   /// @param expected  about how many there will be
-  explicit NumberMap(std::size_t expected = 0) : slots_(std::bit_ceil(2 * expected + 16), no_index) { entries_.reserve(expected); }
+  explicit NumberMap(std::size_t expected = 0) : slots_(std::bit_ceil(2 * expected + 16), no_index) {
+    entries_.reserve(expected);
+  }
 
   /// The number of a key, `no_index` if it has none.
   std::uint32_t find(const Key& key) const {

@@ -11,8 +11,8 @@
 
 namespace tri {
 
-/// A hierarchy of boxes, halved at the median of the longest side down to leaves of four: which boxes overlap a given one.
-/// Queries may come from any thread.
+/// A hierarchy of boxes, halved at the median of the longest side down to leaves of four: which boxes overlap a given
+/// one. Queries may come from any thread.
 class OverlapTree {
  public:
   /// An axis-aligned box; empty until it is grown.

@@ -1,13 +1,12 @@
 // Files in and out.
 
+#include <cstdio>
+#include <iostream>
+#include <string>
 #include <tri/io/mesh_file.hpp>
 #include <tri/io/points_file.hpp>
 #include <tri/meshops/build_mesh.hpp>
 #include <tri/meshops/error.hpp>
-
-#include <cstdio>
-#include <iostream>
-#include <string>
 
 #include "require.hpp"
 

@@ -1,11 +1,10 @@
 // The main job: points measured on a CAD model become a mesh.
 
-#include <tri/libtri/model/cad_model.hpp>
-#include <tri/libtri/example_parts.hpp>
-#include <tri/libtri/triangulation/triangulate.hpp>
-#include <tri/libtri/sampling/virtual_measurement.hpp>
-
 #include <iostream>
+#include <tri/libtri/example_parts.hpp>
+#include <tri/libtri/model/cad_model.hpp>
+#include <tri/libtri/sampling/virtual_measurement.hpp>
+#include <tri/libtri/triangulation/triangulate.hpp>
 
 #include "require.hpp"
 

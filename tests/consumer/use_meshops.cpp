@@ -1,5 +1,8 @@
 // A mesh editor of its own: a float kernel with its own properties, on which operators run in place.
 
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
 #include <tri/meshops/error.hpp>
 #include <tri/meshops/mesh_view.hpp>
 #include <tri/meshops/operators/compact.hpp>
@@ -7,11 +10,6 @@
 #include <tri/meshops/operators/flip_diagonals.hpp>
 #include <tri/meshops/pipeline.hpp>
 #include <tri/meshops/version.hpp>
-
-#include <nlohmann/json.hpp>
-
-#include <iostream>
-#include <string>
 
 #include "require.hpp"
 

@@ -10,7 +10,9 @@ struct NoOptions {
   }
 };
 
-tri::Report nothing(tri::MeshView, const NoOptions&, tri::Context&) { return {}; }
+tri::Report nothing(tri::MeshView, const NoOptions&, tri::Context&) {
+  return {};
+}
 
 }  // namespace
 

@@ -6,12 +6,8 @@
 namespace tri {
 
 ConstrainedDelaunay::ConstrainedDelaunay(std::span<const Vec2> points, Delaunay delaunay)
-    : points_(points),
-      test_(bit_range(points)),
-      triangles_(std::move(delaunay.triangles)),
-      neighbors_(std::move(delaunay.neighbors)),
-      fixed_(triangles_.size(), 0),
-      at_vertex_(points.size(), -1) {
+    : points_(points), test_(bit_range(points)), triangles_(std::move(delaunay.triangles)),
+      neighbors_(std::move(delaunay.neighbors)), fixed_(triangles_.size(), 0), at_vertex_(points.size(), -1) {
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     for (const std::uint32_t v : triangles_[t]) at_vertex_[v] = static_cast<std::int32_t>(t);
 }

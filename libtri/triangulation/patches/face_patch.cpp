@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "libtri/quiet_context.hpp"
 #include "libtri/triangulation/delaunay.hpp"
 #include "libtri/triangulation/patches/constrained_delaunay.hpp"
-#include "libtri/quiet_context.hpp"
 
 namespace tri {
 namespace {

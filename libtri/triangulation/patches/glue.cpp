@@ -159,7 +159,7 @@ void split_edge(EditMesh& mesh, std::int32_t t, int k) {
 // middle.
 // Inside a face no edge is double.
 void split_double_seam_edges(EditMesh& mesh, const std::vector<std::uint8_t>& on_chain,
-                        std::span<const std::uint32_t> chained_triangles) {
+                             std::span<const std::uint32_t> chained_triangles) {
   struct Edge {
     std::uint32_t a, b;
     SideUse use;

@@ -17,7 +17,8 @@ namespace {
 constexpr std::size_t enough_points = 8;
 
 /// Half the point spacing of the densest face around each vertex of the tessellation; infinite for measured points.
-std::vector<float> edge_length_limits(const CadModel& model, const Tessellation& mesh, std::span<const Foot> feet, std::size_t vertices) {
+std::vector<float> edge_length_limits(const CadModel& model, const Tessellation& mesh, std::span<const Foot> feet,
+                                      std::size_t vertices) {
   std::vector<double> area(model.faces.size(), 0);
   std::vector<std::size_t> count(model.faces.size(), 0);
   double total = 0;
@@ -43,7 +44,8 @@ std::vector<float> edge_length_limits(const CadModel& model, const Tessellation&
 
 }  // namespace
 
-ShellConnection connect_by_shell(const CadModel& model, const Tessellation& tessellation, std::span<const Foot> feet, Context& context) {
+ShellConnection connect_by_shell(const CadModel& model, const Tessellation& tessellation, std::span<const Foot> feet,
+                                 Context& context) {
   context.progress("insert points", 0);
   EditMesh mesh = insert_feet(model, tessellation, feet, context);
   context.progress("insert points", 0.5);

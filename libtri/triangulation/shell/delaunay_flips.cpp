@@ -32,13 +32,15 @@ bool lowers_harmonic_index(const EditMesh& mesh, std::int32_t t, int k) {
   const double before = harmonic_index(a, b, c) + harmonic_index(d, c, b);
   const double after = harmonic_index(a, b, d) + harmonic_index(a, d, c);
   if (!(after < before * (1 - 1e-8))) return false;
-  // Where the model is smooth its normals judge the new triangles (a needle between scan lines has no normal worth comparing
-  // with); elsewhere they must face as the old ones did.
+  // Where the model is smooth its normals judge the new triangles (a needle between scan lines has no normal worth
+  // comparing with); elsewhere they must face as the old ones did.
   const Vec3 normal = model_normal(mesh, ia) + model_normal(mesh, ib) + model_normal(mesh, ic) + model_normal(mesh, id);
   if (normal.norm() > 3.6) {
     const double least = 0.5 * normal.norm();
     if ((unit_normal(a, b, d) | normal) <= least || (unit_normal(a, d, c) | normal) <= least) {
-      const auto turned = [&](const Vec3& p, const Vec3& u, const Vec3& v) { return (((u - p) % (v - p)) | normal) <= 0; };
+      const auto turned = [&](const Vec3& p, const Vec3& u, const Vec3& v) {
+        return (((u - p) % (v - p)) | normal) <= 0;
+      };
       if (turned(a, b, d) + turned(a, d, c) > 0 || turned(a, b, c) + turned(d, c, b) == 0) return false;
     }
   } else {
@@ -48,7 +50,6 @@ bool lowers_harmonic_index(const EditMesh& mesh, std::int32_t t, int k) {
   }
   return !mesh.has_edge(ia, id);
 }
-
 
 bool lowers_cost(const EditMesh& mesh, std::int32_t t, int k) {
   const Triangle& q = mesh.triangles[t];

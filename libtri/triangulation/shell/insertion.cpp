@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "libtri/quiet_context.hpp"
 #include "libtri/triangulation/delaunay.hpp"
 #include "libtri/triangulation/shell/triangle_geometry.hpp"
-#include "libtri/quiet_context.hpp"
 #include "meshops/error.hpp"
 #include "meshops/limits.hpp"
 
@@ -18,7 +18,8 @@ namespace {
 
 using Barycentric = std::array<double, 3>;
 
-/// Feet keep this share of a triangle's height away from its sides, so that the hull of a triangle's points is the triangle.
+/// Feet keep this share of a triangle's height away from its sides, so that the hull of a triangle's points is the
+/// triangle.
 constexpr double inset = 1e-6;
 /// Across the edge of the trimmed polygon a foot may land outside it; it is taken in this deep.
 constexpr double outside_inset = 1e-3;
@@ -157,7 +158,8 @@ struct Place {
 /// Barycentric coordinates of the orthogonal projection on the triangle's plane; not all positive outside the triangle.
 Barycentric projected(const Tessellation& mesh, std::int32_t t, const Vec3& p) {
   const Triangle& q = mesh.triangles[t];
-  const Vec3 e = mesh.points[q[1]] - mesh.points[q[0]], f = mesh.points[q[2]] - mesh.points[q[0]], d = p - mesh.points[q[0]];
+  const Vec3 e = mesh.points[q[1]] - mesh.points[q[0]], f = mesh.points[q[2]] - mesh.points[q[0]],
+             d = p - mesh.points[q[0]];
   const double ee = e | e, ff = f | f, ef = e | f, de = d | e, df = d | f;
   const double det = ee * ff - ef * ef;
   if (!(det > 0)) return {-1, -1, -1};
@@ -165,8 +167,8 @@ Barycentric projected(const Tessellation& mesh, std::int32_t t, const Vec3& p) {
   return {1 - b - c, b, c};
 }
 
-/// Walks over one face from `start` to the triangle that the foot projects into. (u,v) alone would bend the order of the points
-/// where the parameters run unevenly, most of all at a pole.
+/// Walks over one face from `start` to the triangle that the foot projects into. (u,v) alone would bend the order of
+/// the points where the parameters run unevenly, most of all at a pole.
 Place settle(const Tessellation& mesh, std::int32_t start, const Vec3& p) {
   constexpr int longest_walk = 64;
   Place place;
@@ -178,7 +180,8 @@ Place settle(const Tessellation& mesh, std::int32_t start, const Vec3& p) {
     double deepest = 0;
     for (int k = 0; k < 3; ++k) {
       const std::int32_t n = mesh.neighbors[t][k];
-      if (place.l[k] < deepest && n >= 0 && n != previous && mesh.faces[n] == mesh.faces[t]) deepest = place.l[k], out = k;
+      if (place.l[k] < deepest && n >= 0 && n != previous && mesh.faces[n] == mesh.faces[t])
+        deepest = place.l[k], out = k;
     }
     if (out < 0) return place;
     previous = t;
@@ -188,7 +191,8 @@ Place settle(const Tessellation& mesh, std::int32_t start, const Vec3& p) {
   return place;
 }
 
-std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::span<const Foot> feet, Context& context) {
+std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::span<const Foot> feet,
+                          Context& context) {
   std::vector<FaceLocator> locators(model.faces.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) locators[mesh.faces[t]].add(static_cast<std::int32_t>(t));
   for (FaceLocator& l : locators) l.build(mesh);
@@ -226,8 +230,9 @@ std::vector<Place> locate(const CadModel& model, const Tessellation& mesh, std::
 /// The sub-triangles of one original triangle and, per side, the sub-triangle that holds it.
 class TriangleFiller {
  public:
-  TriangleFiller(const Tessellation& mesh, EditMesh& out, const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& order,
-                 const std::vector<Place>& places, const std::vector<std::uint32_t>& vertex_of)
+  TriangleFiller(const Tessellation& mesh, EditMesh& out, const std::vector<std::uint32_t>& start,
+                 const std::vector<std::uint32_t>& order, const std::vector<Place>& places,
+                 const std::vector<std::uint32_t>& vertex_of)
       : mesh_(mesh), out_(out), start_(start), order_(order), places_(places), vertex_of_(vertex_of) {}
 
   /// First sub-triangle of original triangle `t`: n points inside give 2n + 1.
@@ -269,7 +274,8 @@ class TriangleFiller {
       }
       d = delaunay(points, context);
     }
-    if (d.triangles.size() != 2 * n + 1) throw CadError("points inside one triangle of the tessellation cannot be told apart");
+    if (d.triangles.size() != 2 * n + 1)
+      throw CadError("points inside one triangle of the tessellation cannot be told apart");
     const auto global = [&](std::uint32_t i) { return i < 3 ? q[i] : vertex_of_[order_[start_[t] + i - 3]]; };
     for (std::size_t i = 0; i < d.triangles.size(); ++i) {
       const auto id = first + static_cast<std::int32_t>(i);

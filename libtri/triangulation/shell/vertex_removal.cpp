@@ -123,7 +123,8 @@ class Remover {
     const int n = static_cast<int>(left_.size());
     const auto best = triangulate_polygon<double>(
         n, [&](int i, int j) { return !taken(i, j); },
-        [&](int i, int k, int j, int, int) -> std::optional<double> { return cost_(ring(i), ring(k), ring(j)); }, ring_triangles_);
+        [&](int i, int k, int j, int, int) -> std::optional<double> { return cost_(ring(i), ring(k), ring(j)); },
+        ring_triangles_);
     if (!best) return infinity;
     for (const RingTriangle& t : ring_triangles_) patch.push_back({ring(t[0]), ring(t[1]), ring(t[2])});
     // A ring of three whose triangle is there already would close a pillow.
@@ -165,7 +166,8 @@ class Remover {
       const double turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
       if (!(turn > 0) || taken(before, after)) return infinity;
       const double aa = a.sqrnorm(), bb = b.sqrnorm(), cc = c.sqrnorm();
-      const double circle = aa * (b[0] * c[1] - b[1] * c[0]) - bb * (a[0] * c[1] - a[1] * c[0]) + cc * (a[0] * b[1] - a[1] * b[0]);
+      const double circle =
+          aa * (b[0] * c[1] - b[1] * c[0]) - bb * (a[0] * c[1] - a[1] * c[0]) + cc * (a[0] * b[1] - a[1] * b[0]);
       return circle / turn;
     };
     std::vector<double> powers;
@@ -184,8 +186,8 @@ class Remover {
     return sum;
   }
 
-  /// Covers the fan of a boundary vertex anew: a boundary path from the first to the last ring vertex is chosen, and every stretch
-  /// of the ring that a chord of the path cuts off is triangulated.
+  /// Covers the fan of a boundary vertex anew: a boundary path from the first to the last ring vertex is chosen, and
+  /// every stretch of the ring that a chord of the path cuts off is triangulated.
   double fill_open_fan(std::uint32_t v, std::vector<Triangle>& patch) {
     const int n = static_cast<int>(left_.size());
     // cost[i][j]: the stretch i..j triangulated with chord (i, j) closing it; apex to trace it.
@@ -256,7 +258,7 @@ class Remover {
   TriangleCost cost_;
   EditMesh::Star star_;
   std::vector<bool> outer_;
-  std::vector<int> left_;  // positions in the star's ring that no ear has cut off
+  std::vector<int> left_;               // positions in the star's ring that no ear has cut off
   std::vector<std::int32_t> position_;  // in the star's ring; -1 for other vertices
   std::vector<RingTriangle> ring_triangles_;
   std::vector<double> stretch_, area_;
@@ -265,6 +267,8 @@ class Remover {
 
 }  // namespace
 
-VertexRemoval remove_model_vertices(EditMesh& mesh, Context& context) { return Remover(mesh, context).run(); }
+VertexRemoval remove_model_vertices(EditMesh& mesh, Context& context) {
+  return Remover(mesh, context).run();
+}
 
 }  // namespace tri

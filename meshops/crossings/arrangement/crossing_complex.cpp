@@ -44,8 +44,11 @@ class CrossingResolver {
     const std::size_t most_faces = 50000 + 20 * c_.faces.size();
     for (std::size_t round = 0; round < max_rounds; ++round) {
       context_.checkpoint();
-      reach_ = round < exact_rounds ? 0
-                                    : std::min(most_reach_, std::ldexp(first_reach_, static_cast<int>(std::min(round - exact_rounds, reach_doublings))));
+      reach_ =
+          round < exact_rounds
+              ? 0
+              : std::min(most_reach_,
+                         std::ldexp(first_reach_, static_cast<int>(std::min(round - exact_rounds, reach_doublings))));
       find();
       if (round == 0) report.pairs = pairs_;
       report.left = pairs_;
@@ -140,8 +143,8 @@ class CrossingResolver {
     for (const std::uint32_t f : involved_) fresh_[f] = 1;
   }
 
-  /// Takes what is near to touch until nothing is; crossings are cut only afterwards, else bundles of nearly parallel sides
-  /// would get new vertices wherever two of them cross, without an end.
+  /// Takes what is near to touch until nothing is; crossings are cut only afterwards, else bundles of nearly parallel
+  /// sides would get new vertices wherever two of them cross, without an end.
   void tidy() {
     for (int pass = 0; pass < tidy_passes && pairs_ > 0; ++pass) {
       context_.checkpoint();
@@ -201,8 +204,8 @@ class CrossingResolver {
     return true;
   }
 
-  /// Adds to the lists of cuts what is within reach of a face that meets another: such faces lose their area, and corners
-  /// are taken to lie on the faces and sides that they are near.
+  /// Adds to the lists of cuts what is within reach of a face that meets another: such faces lose their area, and
+  /// corners are taken to lie on the faces and sides that they are near.
   void find_near() {
     std::vector<char> marked(c_.faces.size(), 0);
     OverlapTree::Box all;
@@ -298,7 +301,8 @@ class CrossingResolver {
       whole += static_cast<Int128>(b[d] - a[d]) * (b[d] - a[d]);
     }
     if (along <= 0 || along >= whole) return;
-    edge_points_.push_back({edge_key_of(v[side], v[(side + 1) % 3]), keep(at_share(a, b, along, whole), v[(side + 2) % 3])});
+    edge_points_.push_back(
+        {edge_key_of(v[side], v[(side + 1) % 3]), keep(at_share(a, b, along, whole), v[(side + 2) % 3])});
     flat_[f] = 1;
     involved_.push_back(f);
     ++pairs_;
@@ -319,8 +323,10 @@ class CrossingResolver {
 
   void on_face(std::uint32_t f, TrianglePlace on, std::uint32_t point) {
     const Triangle& v = c_.faces[f].v;
-    if (on == in_interior) face_points_.push_back({f, point});
-    else if (on >= 3) edge_points_.push_back({edge_key_of(v[on - 3], v[(on - 2) % 3]), point});
+    if (on == in_interior)
+      face_points_.push_back({f, point});
+    else if (on >= 3)
+      edge_points_.push_back({edge_key_of(v[on - 3], v[(on - 2) % 3]), point});
   }
 
   std::uint32_t number(const GridPoint& p) {
@@ -389,7 +395,8 @@ class CrossingResolver {
       if (flat_[f])
         pieces_of_flat(face, sides, kept);
       else
-        pieces(face, sides, {face_points_.data() + p0, next_point - p0}, {segments_.data() + s0, next_segment - s0}, kept);
+        pieces(face, sides, {face_points_.data() + p0, next_point - p0}, {segments_.data() + s0, next_segment - s0},
+               kept);
       fresh.resize(fresh.size() + kept.size() - before, 1);
     }
     c_.faces = std::move(kept);
@@ -404,8 +411,8 @@ class CrossingResolver {
     out.push_back(piece);
   }
 
-  /// A face without area is a closed polygon of points on a line. Where it turns back along itself nothing is left; a fan
-  /// of the rest keeps its boundary, which is all that counts.
+  /// A face without area is a closed polygon of points on a line. Where it turns back along itself nothing is left; a
+  /// fan of the rest keeps its boundary, which is all that counts.
   void pieces_of_flat(const Face& face, const std::array<const std::vector<std::uint32_t>*, 3>& sides,
                       std::vector<Face>& out) {
     std::vector<std::uint32_t> ring;
@@ -454,8 +461,7 @@ class CrossingResolver {
     for (std::size_t i = 0; i < segments.size(); ++i)
       if (ends[i][0] >= 0 && ends[i][1] >= 0 && ends[i][0] != ends[i][1])
         cuts.add_segment(ends[i][0], ends[i][1], segments[i].plane);
-    for (std::size_t i = ids.size(); i < cuts.points().size(); ++i)
-      ids.push_back(number(cuts.points()[i].rounded()));
+    for (std::size_t i = ids.size(); i < cuts.points().size(); ++i) ids.push_back(number(cuts.points()[i].rounded()));
     cuts.improve([&](int v) { return ids[v]; });
     for (const auto& t : cuts.triangles()) add_piece(face, {ids[t[0]], ids[t[1]], ids[t[2]]}, out);
   }
@@ -511,8 +517,8 @@ class CrossingResolver {
   CrossingComplex& c_;
   const double first_reach_, most_reach_;
   Context& context_;
-  Pace pace_;                                   ///< of short steps
-  Pace search_pace_{context_, long_steps};      ///< of searches and cuts
+  Pace pace_;                               ///< of short steps
+  Pace search_pace_{context_, long_steps};  ///< of searches and cuts
   NumberMap<GridPoint, GridHash> number_;
   std::vector<char> fresh_;  ///< faces made in the round before
   std::vector<char> flat_;   ///< faces without area

@@ -56,7 +56,8 @@ std::optional<std::vector<std::array<std::size_t, 3>>> ears_of(const std::vector
       if (!(angle_turned(a, b, c) > 0) || !((a | c) > nearest)) continue;
       const bool clear = std::ranges::all_of(left, [&](std::size_t i) {
         const Vec3& p = around[i];
-        return i == ia || i == ib || i == ic || angle_turned(a, b, p) < 0 || angle_turned(b, c, p) < 0 || angle_turned(c, a, p) < 0;
+        return i == ia || i == ib || i == ic || angle_turned(a, b, p) < 0 || angle_turned(b, c, p) < 0 ||
+               angle_turned(c, a, p) < 0;
       });
       if (clear) best = j, nearest = a | c;
     }
@@ -297,8 +298,8 @@ class Cutter {
 
   PlacedBoundary& out_;
   const double height_;
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>>
-      at_;                                          ///< of vertices that touch others: their triangles
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> at_;  ///< of vertices that touch others: their
+                                                                      ///< triangles
   std::vector<std::vector<std::uint32_t>> pieces_;  ///< of the triangles that there were: those added for them
   std::vector<std::uint32_t> whole_;                ///< of every triangle: the one that there was
   std::optional<OverlapTree> tree_;                 ///< of the triangles that there were

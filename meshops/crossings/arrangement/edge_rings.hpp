@@ -11,9 +11,9 @@ namespace tri {
 struct EdgeRings {
   struct Wing {
     std::uint32_t face;
-    std::uint8_t side;     ///< from corner `side` to the next
-    bool forward;          ///< runs from the lower to the higher vertex; then the front lies counter-clockwise of the face,
-                           ///< seen against the edge's direction from lower to higher vertex
+    std::uint8_t side;  ///< from corner `side` to the next
+    bool forward;  ///< runs from the lower to the higher vertex; then the front lies counter-clockwise of the face,
+                   ///< seen against the edge's direction from lower to higher vertex
   };
   std::vector<Wing> wings;
   std::vector<std::uint32_t> first;  ///< of each edge, and the end: wings [first[e], first[e + 1]), counter-clockwise

@@ -247,9 +247,12 @@ bool FaceTriangulation::add_segment(int a, int b, const GridPlane& plane) {
         const int k = corner_of(part, a);
         v1 = parts_[part].v[(k + 1) % 3], v2 = parts_[part].v[(k + 2) % 3];
         const int o1 = orientation(a, b, v1), o2 = orientation(a, b, v2);
-        if (v1 == b || (o1 == 0 && ahead(a, b, v1))) along = v1, found = true;
-        else if (v2 == b || (o2 == 0 && ahead(a, b, v2))) along = v2, found = true;
-        else if (o1 < 0 && o2 > 0) found = true;
+        if (v1 == b || (o1 == 0 && ahead(a, b, v1)))
+          along = v1, found = true;
+        else if (v2 == b || (o2 == 0 && ahead(a, b, v2)))
+          along = v2, found = true;
+        else if (o1 < 0 && o2 > 0)
+          found = true;
         if (found) break;
         const int beyond = clockwise ? parts_[part].next[k] : parts_[part].next[(k + 2) % 3];
         if (beyond == outside || beyond == start) break;
@@ -277,9 +280,12 @@ bool FaceTriangulation::add_segment(int a, int b, const GridPlane& plane) {
       const int v3 = parts_[beyond].v[(edge_towards(beyond, part) + 2) % 3];
       part = beyond;
       const int o = v3 == b ? 0 : orientation(a, b, v3);
-      if (o == 0) target = v3;
-      else if (o > 0) v2 = v3;
-      else v1 = v3;
+      if (o == 0)
+        target = v3;
+      else if (o > 0)
+        v2 = v3;
+      else
+        v1 = v3;
     }
     if (!force(a, target, id, std::move(crossed))) return false;
     a = target;
@@ -312,8 +318,7 @@ void FaceTriangulation::improve(const std::function<std::uint64_t(int)>& rank) {
         const double excess = sin_c * cos_d + cos_c * sin_d;
         const double size = std::sqrt(ca.sqrnorm() * cb.sqrnorm() * da.sqrnorm() * db.sqrnorm());
         bool wanted = excess < -1e-9 * size;
-        if (!wanted && excess < 1e-9 * size)
-          wanted = std::min(rank(c), rank(d)) < std::min(rank(a), rank(b));
+        if (!wanted && excess < 1e-9 * size) wanted = std::min(rank(c), rank(d)) < std::min(rank(a), rank(b));
         if (!wanted || !convex(part, k)) continue;
         flip(part, k);
         --patience;

@@ -23,8 +23,8 @@ class FaceTriangulation {
   /// @param plane     goes through both and is not the plane of the triangle
   /// @return false if it could not be forced within the bound on steps (the triangulation stays valid)
   bool add_segment(int from, int to, const GridPlane& plane);
-  /// @param rank  of each vertex: decides between the diagonals of four points on a circle, so that two triangles that lie
-  /// upon each other are cut alike
+  /// @param rank  of each vertex: decides between the diagonals of four points on a circle, so that two triangles that
+  /// lie upon each other are cut alike
   void improve(const std::function<std::uint64_t(int)>& rank);
 
   const std::vector<ExactPoint>& points() const { return points_; }
@@ -32,9 +32,9 @@ class FaceTriangulation {
   std::vector<std::array<int, 3>> triangles() const;
 
  private:
-  static constexpr int outside = -1;       ///< beyond a side
-  static constexpr int free_edge = -1;     ///< no segment
-  static constexpr int side_edge = -2;     ///< of the triangle itself
+  static constexpr int outside = -1;    ///< beyond a side
+  static constexpr int free_edge = -1;  ///< no segment
+  static constexpr int side_edge = -2;  ///< of the triangle itself
 
   struct Part {
     std::array<int, 3> v;     ///< counter-clockwise after projection

@@ -10,8 +10,9 @@ class GridFrame {
  public:
   static constexpr int doubles = 51, floats = 23;
 
-  /// The finest grid of a power of two that covers the box of the points that triangles use with 2^28 steps a side, and none of whose steps is less
-  /// than 2^-`finest` of the power of two at the farthest coordinate, so that numbers of double or single precision hold it.
+  /// The finest grid of a power of two that covers the box of the points that triangles use with 2^28 steps a side, and
+  /// none of whose steps is less than 2^-`finest` of the power of two at the farthest coordinate, so that numbers of
+  /// double or single precision hold it.
   GridFrame(const Soup& soup, int finest);
 
   GridPoint to_grid(const Vec3& p) const;

@@ -7,7 +7,9 @@ namespace {
 
 using Wide4 = WideInt<4>;
 
-GridPoint minus(const GridPoint& a, const GridPoint& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+GridPoint minus(const GridPoint& a, const GridPoint& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 
 GridPoint cross(const GridPoint& a, const GridPoint& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -168,8 +170,7 @@ int turn(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, int i, i
 }
 
 int turn(const GridPoint& a, const GridPoint& b, const GridPoint& c, int i, int j) {
-  return sign_of(static_cast<Int128>(b[i] - a[i]) * (c[j] - a[j]) -
-                 static_cast<Int128>(b[j] - a[j]) * (c[i] - a[i]));
+  return sign_of(static_cast<Int128>(b[i] - a[i]) * (c[j] - a[j]) - static_cast<Int128>(b[j] - a[j]) * (c[i] - a[i]));
 }
 
 }  // namespace tri

@@ -15,7 +15,9 @@ inline constexpr int grid_bits = 28;
 /// Corners of a triangle on the grid.
 using GridTriangle = std::array<GridPoint, 3>;
 
-inline int sign_of(Int128 x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+inline int sign_of(Int128 x) {
+  return x > 0 ? 1 : x < 0 ? -1 : 0;
+}
 
 /// Six times the volume of (a, b, c, d): positive if d lies on the side to which (b - a) x (c - a) points. Exact.
 Int128 volume6(const GridPoint& a, const GridPoint& b, const GridPoint& c, const GridPoint& d);
@@ -33,8 +35,8 @@ GridPlane plane_through(const GridTriangle& t);
 /// The plane that holds the line (p, q) and the direction of `axis`.
 GridPlane plane_along_axis(const GridPoint& p, const GridPoint& q, int axis);
 
-/// A point with rational coordinates x / w, y / w, z / w: at most 210 and 180 bits where three planes meet that go through
-/// points of the grid.
+/// A point with rational coordinates x / w, y / w, z / w: at most 210 and 180 bits where three planes meet that go
+/// through points of the grid.
 struct ExactPoint {
   std::array<WideInt<4>, 3> x;
   WideInt<4> w = 1;                ///< above 0

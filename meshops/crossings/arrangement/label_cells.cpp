@@ -31,7 +31,8 @@ CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cav
   Pace pace(context);
   const EdgeRings rings = edge_rings(complex, context);
   context.checkpoint();
-  // Side 2 f is the front of face f, 2 f + 1 its back; sides that look into the same wedge at an edge belong to one cell.
+  // Side 2 f is the front of face f, 2 f + 1 its back; sides that look into the same wedge at an edge belong to one
+  // cell.
   Sets shells(2 * n), parts(n);
   for (std::size_t e = 0; e < rings.edges(); ++e) {
     pace();

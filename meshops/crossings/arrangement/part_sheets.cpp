@@ -12,12 +12,12 @@
 namespace tri {
 namespace {
 
-constexpr double edge_share = 0.25;      ///< of the shortest edge at a vertex: as far as it moves
-constexpr double inradius_share = 0.1;   ///< of a triangle: as high as its middle is raised
-constexpr double least_slope = 0.2;      ///< of a vertex's direction towards the side of each sheet
-constexpr double along_slope = 1e-3;     ///< of it away from a side that counts as along
+constexpr double edge_share = 0.25;     ///< of the shortest edge at a vertex: as far as it moves
+constexpr double inradius_share = 0.1;  ///< of a triangle: as high as its middle is raised
+constexpr double least_slope = 0.2;     ///< of a vertex's direction towards the side of each sheet
+constexpr double along_slope = 1e-3;    ///< of it away from a side that counts as along
 constexpr int slope_steps = 40;
-constexpr double least_share = 1.0 / 64; ///< of the way of a vertex that may stay: what is less is not worth it
+constexpr double least_share = 1.0 / 64;  ///< of the way of a vertex that may stay: what is less is not worth it
 
 class Parter {
  public:
@@ -77,13 +77,16 @@ class Parter {
         move.height = std::min(move.height, edge_share * length);
       }
       const Vec3 n = unit_or_zero((vector_of(out_.points[c[1]]) - vector_of(out_.points[c[0]])) %
-                          (vector_of(out_.points[c[2]]) - vector_of(out_.points[c[0]])));
-      if (b_.sheet[t] == 0) solids.push_back(-n);
-      else sheets.push_back(n * b_.sheet[t]);
+                                  (vector_of(out_.points[c[2]]) - vector_of(out_.points[c[0]])));
+      if (b_.sheet[t] == 0)
+        solids.push_back(-n);
+      else
+        sheets.push_back(n * b_.sheet[t]);
     }
     std::vector<Vec3> all = sheets;
     all.insert(all.end(), solids.begin(), solids.end());
-    if (direction_towards(all, move.direction) > 0 || direction_along(all, move.direction) || sheets.empty()) return move;
+    if (direction_towards(all, move.direction) > 0 || direction_along(all, move.direction) || sheets.empty())
+      return move;
     if (direction_towards(sheets, move.direction) > 0 || direction_along(sheets, move.direction)) return move;
     move.height = 0;
     return move;
@@ -108,8 +111,8 @@ class Parter {
     return best;
   }
 
-  /// A direction that leans away from no side, if there is one, as where a fan has both sides of a sheet: the sum of the sides,
-  /// taken to the half-space of each in turn.
+  /// A direction that leans away from no side, if there is one, as where a fan has both sides of a sheet: the sum of
+  /// the sides, taken to the half-space of each in turn.
   static bool direction_along(const std::vector<Vec3>& sides, Vec3& direction) {
     Vec3 at(0, 0, 0);
     for (const Vec3& s : sides) at += s;
@@ -145,8 +148,10 @@ class Parter {
     std::vector<VertexMove> moves;
     for (const std::uint32_t t : lying) {
       const Triangle& v = out_.triangles[t];
-      if (normal_of(out_.points[v[0]], out_.points[v[1]], out_.points[v[2]]) == GridPoint{}) out_.touching.push_back(b_.face[t]);
-      else moves.push_back(raise(t));
+      if (normal_of(out_.points[v[0]], out_.points[v[1]], out_.points[v[2]]) == GridPoint{})
+        out_.touching.push_back(b_.face[t]);
+      else
+        moves.push_back(raise(t));
     }
     out_.parted += moves.size();
     settle(moves, context);
@@ -164,7 +169,7 @@ class Parter {
     const double twice_area = n.norm();
     const double inradius = twice_area / (la + lb + lc);
     VertexMove m{static_cast<std::uint32_t>(out_.points.size()), (a * la + b * lb + c * lc) / (la + lb + lc),
-           n * (b_.sheet[t] / twice_area), std::max(1.0, std::min(height_, inradius_share * inradius)), false};
+                 n * (b_.sheet[t] / twice_area), std::max(1.0, std::min(height_, inradius_share * inradius)), false};
     out_.points.push_back(out_.points[v[0]]);
     out_.point.push_back(no_index);
     raised_from_.push_back(b_.face[t]);
@@ -208,8 +213,8 @@ class Parter {
 
 }  // namespace
 
-PlacedBoundary part_sheets(const CrossingComplex& complex, const SolidBoundary& boundary, double height, SheetMemory& memory,
-                           Context& context) {
+PlacedBoundary part_sheets(const CrossingComplex& complex, const SolidBoundary& boundary, double height,
+                           SheetMemory& memory, Context& context) {
   return Parter(complex, boundary, height, memory).run(context);
 }
 

@@ -23,12 +23,13 @@ struct PlacedBoundary {
 /// How far vertices moved, by place and direction, for the next time most of them are moved again.
 using SheetMemory = std::map<std::array<double, 6>, double>;
 
-/// Parts what lies upon each other: of vertices in one place each moves to its own side of the sheets at it, or into its own
-/// solid, by as much as `height`, or by less where it would make something cross; where that cannot be, they stay in one place.
-/// Sheets none of whose corners could move get a vertex in their middle, raised off the other sheet likewise.
+/// Parts what lies upon each other: of vertices in one place each moves to its own side of the sheets at it, or into
+/// its own solid, by as much as `height`, or by less where it would make something cross; where that cannot be, they
+/// stay in one place. Sheets none of whose corners could move get a vertex in their middle, raised off the other sheet
+/// likewise.
 /// @param height grid steps, at least 1
 /// @param memory of earlier calls with the same complex
-PlacedBoundary part_sheets(const CrossingComplex& complex, const SolidBoundary& boundary, double height, SheetMemory& memory,
-                           Context& context);
+PlacedBoundary part_sheets(const CrossingComplex& complex, const SolidBoundary& boundary, double height,
+                           SheetMemory& memory, Context& context);
 
 }  // namespace tri

@@ -17,16 +17,10 @@ constexpr int last_sweeps = 2;
 
 class Settler {
  public:
-  Settler(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves, double least,
-          const Context& context)
-      : context_(context),
-        points_(points),
-        triangles_(triangles),
-        moves_(moves),
-        least_(least),
-        owner_(points.size(), no_index),
-        around_(moves.size()),
-        places_((place_all(), points), &context),
+  Settler(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves,
+          double least, const Context& context)
+      : context_(context), points_(points), triangles_(triangles), moves_(moves), least_(least),
+        owner_(points.size(), no_index), around_(moves.size()), places_((place_all(), points), &context),
         tree_(boxes(), all_items(), &context) {}
 
   void run(std::vector<char> changed) {
@@ -172,11 +166,12 @@ class Settler {
         reject(t);
         continue;
       }
-      crossing(t, [&](std::uint32_t u) { return active[u] && u < t; },
-               [&](std::uint32_t u) {
-                 reject(t), reject(u);
-                 return true;
-               });
+      crossing(
+          t, [&](std::uint32_t u) { return active[u] && u < t; },
+          [&](std::uint32_t u) {
+            reject(t), reject(u);
+            return true;
+          });
     }
     return bad;
   }
@@ -186,7 +181,8 @@ class Settler {
     bool clear = true;
     for (const std::uint32_t t : around_[i]) {
       if (!clear || is_flat(t)) return false;
-      crossing(t, [](std::uint32_t) { return false; }, [&](std::uint32_t) { return clear = false; });
+      crossing(
+          t, [](std::uint32_t) { return false; }, [&](std::uint32_t) { return clear = false; });
     }
     return clear;
   }
@@ -206,7 +202,8 @@ class Settler {
 
 }  // namespace
 
-std::vector<char> share_places(const std::vector<GridPoint>& points, const std::vector<char>& used, const Context& context) {
+std::vector<char> share_places(const std::vector<GridPoint>& points, const std::vector<char>& used,
+                               const Context& context) {
   Pace pace(context);
   NumberMap<GridPoint, GridHash> first(points.size());
   std::vector<char> shared(points.size(), 0);
@@ -218,8 +215,8 @@ std::vector<char> share_places(const std::vector<GridPoint>& points, const std::
   return shared;
 }
 
-void settle_moves(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves,
-                  std::vector<char> changed, double least, Context& context) {
+void settle_moves(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles,
+                  std::vector<VertexMove>& moves, std::vector<char> changed, double least, Context& context) {
   Settler(points, triangles, moves, least, context).run(std::move(changed));
 }
 

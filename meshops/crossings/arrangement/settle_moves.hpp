@@ -45,7 +45,8 @@ class GridPlaces {
 };
 
 /// For each vertex whether it is used and another that is used lies in its place. @throws Cancelled
-std::vector<char> share_places(const std::vector<GridPoint>& points, const std::vector<char>& used, const Context& context);
+std::vector<char> share_places(const std::vector<GridPoint>& points, const std::vector<char>& used,
+                               const Context& context);
 
 /// A vertex that is to leave its place.
 struct VertexMove {
@@ -55,13 +56,13 @@ struct VertexMove {
   bool may_rest;         ///< else it has to move by a step at least
 };
 
-/// Moves vertices as far as they want, and shortens the way of those that make triangles cross, or come to lie in the place of
-/// another vertex, until none does. What then rests is tried once more by itself. Triangles with the same corners, by place, may
-/// lie upon each other.
+/// Moves vertices as far as they want, and shortens the way of those that make triangles cross, or come to lie in the
+/// place of another vertex, until none does. What then rests is tried once more by itself. Triangles with the same
+/// corners, by place, may lie upon each other.
 /// @param moves   on return `height` is how far each went: 0 for those that rest, also for those that may not
 /// @param changed of each move: whether it has to be looked at; others cross nothing but, perhaps, those
 /// @param least   grid steps; a vertex that may rest moves no less than this
-void settle_moves(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles, std::vector<VertexMove>& moves,
-                  std::vector<char> changed, double least, Context& context);
+void settle_moves(std::vector<GridPoint>& points, const std::vector<Triangle>& triangles,
+                  std::vector<VertexMove>& moves, std::vector<char> changed, double least, Context& context);
 
 }  // namespace tri

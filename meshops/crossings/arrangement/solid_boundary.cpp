@@ -20,7 +20,8 @@ struct Sheet {
 
 class Builder {
  public:
-  Builder(const CrossingComplex& complex, const CellLabels& labels, const SolidBoundaryOptions& options, const Context& context)
+  Builder(const CrossingComplex& complex, const CellLabels& labels, const SolidBoundaryOptions& options,
+          const Context& context)
       : c_(complex), labels_(labels), options_(options), pace_(context) {}
 
   SolidBoundary run(Context& context) {
@@ -150,13 +151,14 @@ class Builder {
       out_.triangles[corner / 3][corner % 3] = name[find(corner)];
   }
 
-  /// Two pairs of sheets at one edge whose ends are the same vertices need an edge each: every pair gets a vertex of its own
-  /// in the middle.
+  /// Two pairs of sheets at one edge whose ends are the same vertices need an edge each: every pair gets a vertex of
+  /// its own in the middle.
   void halve_double_edges() {
     Middles middles;
     for (const auto& [edge, pairs] : crowded_) {
       std::vector<std::array<std::uint32_t, 2>> ends;
-      for (const auto& [a, b] : pairs) ends.push_back({out_.triangles[a.triangle][a.low], out_.triangles[a.triangle][a.high]});
+      for (const auto& [a, b] : pairs)
+        ends.push_back({out_.triangles[a.triangle][a.low], out_.triangles[a.triangle][a.high]});
       std::sort(ends.begin(), ends.end());
       if (std::adjacent_find(ends.begin(), ends.end()) == ends.end()) continue;
       ++out_.edges_halved;
@@ -180,7 +182,8 @@ class Builder {
     middles.clear();
     for (auto& [edge, list] : sides) {
       if (list.size() <= 2) continue;
-      std::stable_sort(list.begin(), list.end(), [&](const auto& a, const auto& b) { return parent_[a[0]] < parent_[b[0]]; });
+      std::stable_sort(list.begin(), list.end(),
+                       [&](const auto& a, const auto& b) { return parent_[a[0]] < parent_[b[0]]; });
       for (std::size_t i = 0; i + 1 < list.size(); ++i) {
         if (parent_[list[i][0]] != parent_[list[i + 1][0]]) continue;
         const std::uint32_t middle = add_middle(list[i][0], list[i][1], (list[i][1] + 1) % 3);
@@ -199,7 +202,8 @@ class Builder {
 
   /// A vertex in the middle between two corners of a triangle.
   std::uint32_t add_middle(std::uint32_t triangle, std::size_t from, std::size_t to) {
-    const GridPoint &a = out_.vertices[out_.triangles[triangle][from]].place, &b = out_.vertices[out_.triangles[triangle][to]].place;
+    const GridPoint &a = out_.vertices[out_.triangles[triangle][from]].place,
+                    &b = out_.vertices[out_.triangles[triangle][to]].place;
     GridPoint middle;
     for (int k = 0; k < 3; ++k) middle[k] = (a[k] + b[k]) / 2;
     out_.vertices.push_back({no_index, middle});
@@ -253,7 +257,8 @@ class Builder {
   Pace pace_;
   SolidBoundary out_;
   std::vector<std::uint32_t> at_front_, at_back_;  ///< of faces: the triangle that is met from there
-  std::vector<std::uint32_t> parent_;  ///< of corners: towards the root of their fan; later of triangles: what they were cut from
+  std::vector<std::uint32_t> parent_;  ///< of corners: towards the root of their fan; later of triangles: what they
+                                       ///< were cut from
   std::size_t count_middles_ = 0;
   struct Crowded {
     std::uint32_t edge;
@@ -264,8 +269,8 @@ class Builder {
 
 }  // namespace
 
-SolidBoundary solid_boundary(const CrossingComplex& complex, const CellLabels& labels, const SolidBoundaryOptions& options,
-                             Context& context) {
+SolidBoundary solid_boundary(const CrossingComplex& complex, const CellLabels& labels,
+                             const SolidBoundaryOptions& options, Context& context) {
   return Builder(complex, labels, options, context).run(context);
 }
 

@@ -11,8 +11,8 @@
 namespace tri {
 
 struct SolidBoundaryOptions {
-  /// For each face: whether it stays, as two sheets with nothing between them, where the same lies on both its sides (a wall
-  /// inside the solid, a sheet outside). Empty: none does.
+  /// For each face: whether it stays, as two sheets with nothing between them, where the same lies on both its sides (a
+  /// wall inside the solid, a sheet outside). Empty: none does.
   std::vector<char> keep_walls;
 };
 
@@ -21,8 +21,8 @@ struct SolidBoundary {
   std::vector<Triangle> triangles;
   /// Of each triangle: the face of the complex.
   std::vector<std::uint32_t> face;
-  /// Of each triangle: 0, or which way it has to move to part from the second sheet that lies upon it: 1 along its normal (a
-  /// sheet outside becomes a thin plate), -1 against it (a wall inside becomes a thin gap).
+  /// Of each triangle: 0, or which way it has to move to part from the second sheet that lies upon it: 1 along its
+  /// normal (a sheet outside becomes a thin plate), -1 against it (a wall inside becomes a thin gap).
   std::vector<signed char> sheet;
   struct Vertex {
     std::uint32_t point;  ///< of the complex, or none (0xffffffff)
@@ -36,8 +36,8 @@ struct SolidBoundary {
   std::size_t edges_halved = 0;   ///< because else two edges would join the same vertices
 };
 
-/// Which faces have the same on both sides; `in` and `out` are decided by winding numbers, which are found by going from cell
-/// to cell [Zhou et al. 2016]: inside is whatever is wound round, either way.
+/// Which faces have the same on both sides; `in` and `out` are decided by winding numbers, which are found by going
+/// from cell to cell [Zhou et al. 2016]: inside is whatever is wound round, either way.
 struct CellLabels {
   /// Of each face: whether inside lies at its front (to which its normal points) and at its back.
   std::vector<std::array<char, 2>> inside;
@@ -48,9 +48,9 @@ struct CellLabels {
 /// @param cavity  by `source` of the faces: whether they bound the inside of a cavity
 CellLabels label_cells(const CrossingComplex& complex, std::span<const char> cavity, Context& context);
 
-/// Closed, manifold and oriented with the inside behind each triangle: around every edge the sheets are joined in pairs that
-/// do not cross, and vertices are copied for each fan.
-SolidBoundary solid_boundary(const CrossingComplex& complex, const CellLabels& labels, const SolidBoundaryOptions& options,
-                             Context& context);
+/// Closed, manifold and oriented with the inside behind each triangle: around every edge the sheets are joined in pairs
+/// that do not cross, and vertices are copied for each fan.
+SolidBoundary solid_boundary(const CrossingComplex& complex, const CellLabels& labels,
+                             const SolidBoundaryOptions& options, Context& context);
 
 }  // namespace tri

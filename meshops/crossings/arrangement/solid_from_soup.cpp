@@ -6,9 +6,9 @@
 
 #include "meshops/checks/surface_reach.hpp"
 #include "meshops/crossings/arrangement/cut_tips.hpp"
+#include "meshops/crossings/arrangement/grid_hash.hpp"
 #include "meshops/crossings/arrangement/settle_moves.hpp"
 #include "meshops/crossings/triangle_pieces.hpp"
-#include "meshops/crossings/arrangement/grid_hash.hpp"
 #include "meshops/limits.hpp"
 #include "meshops/pace.hpp"
 #include "meshops/random_stream.hpp"
@@ -20,13 +20,13 @@
 namespace tri {
 namespace {
 
-constexpr double first_reach_share =
-    0x1p-20;  ///< of the extent: within it things are taken to touch if they cross again
+constexpr double first_reach_share = 0x1p-20;  ///< of the extent: within it things are taken to touch if they cross
+                                               ///< again
 constexpr double nudge_in_reaches = 8,
                  nudge_share = 0.05;  ///< the smaller one, the second of the deviation that is allowed
 constexpr double reach_share = 0.5;   ///< the same of how far things may be apart that are taken to touch
-constexpr double wall_share =
-    0.95;  ///< the same of what a wall that goes may be away from what stays, which may move itself
+constexpr double wall_share = 0.95;   ///< the same of what a wall that goes may be away from what stays, which may move
+                                      ///< itself
 constexpr double plate_share = 0.02;  ///< half the thickness of plates and gaps, of the deviation that is allowed
 
 double grid_diagonal(const std::vector<GridPoint>& points) {
@@ -74,13 +74,8 @@ void nudge(CrossingComplex& complex, double farthest, bool each, const Context& 
 
 SolidFromSoup::SolidFromSoup(Soup& soup, double max_deviation, bool keep_walls, int finest, bool apart, bool again,
                              std::vector<std::uint32_t>& fillings)
-    : soup_(soup),
-      max_deviation_(max_deviation),
-      keep_walls_(keep_walls),
-      apart_(apart),
-      again_(again),
-      fillings_(fillings),
-      frame_(soup, finest) {}
+    : soup_(soup), max_deviation_(max_deviation), keep_walls_(keep_walls), apart_(apart), again_(again),
+      fillings_(fillings), frame_(soup, finest) {}
 
 void SolidFromSoup::take_triangles(Report& report, const Context& context) {
   Pace pace(context);
@@ -260,7 +255,8 @@ PlacedBoundary SolidFromSoup::boundary_without_contacts(const CellLabels& labels
 
 /// Drops those walls that are near to all the others that the boundary has; the others must stay.
 std::size_t SolidFromSoup::drop_where_near(const std::vector<std::uint32_t>& walls, const SolidBoundary& boundary,
-                                           std::vector<char>& keep_walls, std::vector<char>& must_stay, const Context& context) const {
+                                           std::vector<char>& keep_walls, std::vector<char>& must_stay,
+                                           const Context& context) const {
   Pace pace(context);
   for (const std::uint32_t f : walls) keep_walls[f] = 0;
   std::vector<Vec3> places;
@@ -321,7 +317,8 @@ std::vector<Vec3> SolidFromSoup::places_of(const PlacedBoundary& boundary, const
   return places;
 }
 
-void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report, const Context& context) {
+void SolidFromSoup::write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report,
+                          const Context& context) {
   Pace pace(context);
   TrianglePieces pieces;
   pieces.places = places;

@@ -37,7 +37,8 @@ class SolidFromSoup {
   std::vector<char> walls_to_keep(const CellLabels& labels, Context& context) const;
   PlacedBoundary boundary_without_contacts(const CellLabels& labels, Report& report, Context& context);
   std::size_t drop_where_near(const std::vector<std::uint32_t>& walls, const SolidBoundary& boundary,
-                              std::vector<char>& keep_walls, std::vector<char>& must_stay, const Context& context) const;
+                              std::vector<char>& keep_walls, std::vector<char>& must_stay,
+                              const Context& context) const;
   void write(const PlacedBoundary& boundary, const std::vector<Vec3>& places, Report& report, const Context& context);
   std::vector<Vec3> places_of(const PlacedBoundary& boundary, const CellLabels& labels, SurfaceContacts& contacts,
                               Context& context) const;

@@ -5,7 +5,9 @@
 namespace tri {
 namespace {
 
-constexpr int next(int k) { return k == 2 ? 0 : k + 1; }
+constexpr int next(int k) {
+  return k == 2 ? 0 : k + 1;
+}
 constexpr TrianglePlace nowhere = -1;
 
 /// The place whose side tests gave these signs (all of one kind, or zero).
@@ -113,8 +115,7 @@ class Meeter {
         std::array<int, 3> at;
         for (int e = 0; e < 3; ++e) at[e] = turn(p, q, theirs[e], i, j);
         for (int e = 0; e < 3; ++e) {
-          if (at[e] == 0 && locate(mine, theirs[e], axis) == 3 + k)
-            found.push_back(add(s, 3 + k, e, exact(theirs[e])));
+          if (at[e] == 0 && locate(mine, theirs[e], axis) == 3 + k) found.push_back(add(s, 3 + k, e, exact(theirs[e])));
           if (at[e] * at[next(e)] >= 0) continue;
           const GridPoint &u = theirs[e], &v = theirs[next(e)];
           if (turn(u, v, p, i, j) * turn(u, v, q, i, j) < 0)

@@ -8,8 +8,8 @@
 
 namespace tri {
 
-/// Where on a triangle a point lies: 0 to 2 at that corner, 3 to 5 inside side k - 3 (from corner k - 3 to the next), 6 in
-/// the interior.
+/// Where on a triangle a point lies: 0 to 2 at that corner, 3 to 5 inside side k - 3 (from corner k - 3 to the next), 6
+/// in the interior.
 using TrianglePlace = int;
 inline constexpr TrianglePlace in_interior = 6;
 
@@ -19,15 +19,16 @@ struct CommonPoint {
   ExactPoint point;
 };
 
-/// A segment that two triangles have in common, or that a side of one cuts out of the other where both lie in one plane.
+/// A segment that two triangles have in common, or that a side of one cuts out of the other where both lie in one
+/// plane.
 struct CommonSegment {
   int from, to;     ///< indices into `points`
   GridPlane plane;  ///< holds the segment and is not the plane of the triangle to be cut
   bool in_first;    ///< cuts the first triangle, else the second
 };
 
-/// What two triangles with area have in common beyond the corners and sides that they share by number. Exact. Points of equal
-/// coordinates must have equal numbers.
+/// What two triangles with area have in common beyond the corners and sides that they share by number. Exact. Points of
+/// equal coordinates must have equal numbers.
 struct TriangleMeeting {
   std::vector<CommonPoint> points;
   std::vector<CommonSegment> segments;

@@ -10,8 +10,8 @@ namespace tri {
 __extension__ using Int128 = __int128;
 __extension__ using UInt128 = unsigned __int128;
 
-/// A signed integer of 64 N bits in two's complement, for signs and fractions whose size is known beforehand. Results that
-/// do not fit wrap around: the caller chooses N.
+/// A signed integer of 64 N bits in two's complement, for signs and fractions whose size is known beforehand. Results
+/// that do not fit wrap around: the caller chooses N.
 template <int N>
 class WideInt {
  public:
@@ -20,9 +20,7 @@ class WideInt {
     limbs_.fill(value < 0 ? ~std::uint64_t{0} : 0);
     limbs_[0] = static_cast<std::uint64_t>(value);
   }
-  static WideInt from_int128(Int128 value)
-    requires(N >= 2)
-  {
+  static WideInt from_int128(Int128 value) requires(N >= 2) {
     WideInt r(value < 0 ? -1 : 0);
     r.limbs_[0] = static_cast<std::uint64_t>(value);
     r.limbs_[1] = static_cast<std::uint64_t>(value >> 64);
@@ -72,8 +70,7 @@ class WideInt {
   WideInt shifted(int bits) const {
     if (bits == 0) return *this;
     WideInt r;
-    for (int i = N - 1; i >= 0; --i)
-      r.limbs_[i] = limbs_[i] << bits | (i > 0 ? limbs_[i - 1] >> (64 - bits) : 0);
+    for (int i = N - 1; i >= 0; --i) r.limbs_[i] = limbs_[i] << bits | (i > 0 ? limbs_[i - 1] >> (64 - bits) : 0);
     return r;
   }
 

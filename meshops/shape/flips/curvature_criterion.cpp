@@ -21,10 +21,7 @@ constexpr std::int64_t most_units = std::int64_t{1} << 50;  ///< of one edge; on
 class CurvatureCriterion final : public FlipCriterion {
  public:
   CurvatureCriterion(MeshView view, const Context& context)
-      : view_(view),
-        mesh_(view.mesh),
-        unit_(std::ldexp(diagonal(), -40)),
-        normals_(mesh_.n_faces()),
+      : view_(view), mesh_(view.mesh), unit_(std::ldexp(diagonal(), -40)), normals_(mesh_.n_faces()),
         costs_(mesh_.n_edges(), 0) {
     for_each_block(context, "", normals_.size(), curvature_block, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {

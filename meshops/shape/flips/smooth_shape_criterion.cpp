@@ -125,9 +125,9 @@ class SmoothShapeCriterion final : public FlipCriterion {
   MeshView view_;
   OpenMesh::TriConnectivity& mesh_;
   const double sharp_angle_;
-  std::vector<SmoothShape> shapes_;         ///< per face
+  std::vector<SmoothShape> shapes_;   ///< per face
   std::vector<std::int64_t> excess_;  ///< per edge; 0 at the boundary
-  std::array<SmoothShape, 2> new_;          ///< of the quadrilateral judged last: (b, c, d) and (a, d, c)
+  std::array<SmoothShape, 2> new_;    ///< of the quadrilateral judged last: (b, c, d) and (a, d, c)
 };
 
 }  // namespace
