@@ -14,6 +14,7 @@ class Pace {
 
   /// @param context  null: none is reached
   explicit Pace(const Context* context, std::uint32_t every = usual) : context_(context), every_(every) {}
+  /// The same for a context that is there.
   explicit Pace(const Context& context, std::uint32_t every = usual) : Pace(&context, every) {}
 
   /// @throws Cancelled

@@ -29,10 +29,10 @@ struct RingSurroundings {
 
 /// Where a filling meets something in more than what they share. Triangles by their places in the filling.
 struct FillingCrossings {
-  /// A triangle, and how many around the ring it meets, at least one.
+  /// A triangle that meets some around the ring.
   struct Around {
-    std::int32_t triangle;
-    int count;
+    std::int32_t triangle;  ///< its place in the filling
+    int count;              ///< how many it meets, at least one
   };
   std::size_t count = 0;                            ///< pairs of both kinds
   std::vector<Around> around;                       ///< ascending
