@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 #include <type_traits>
+#include <typeinfo>
 #include <vector>
 
 #include "meshops/mesh.hpp"

@@ -53,11 +53,11 @@ class PropertyType {
   virtual std::unique_ptr<OpenMesh::BaseProperty> make() const = 0;
   /// Appends a copy of an element's value to a place that `make` returned.
   virtual void keep(const OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place) const = 0;
-  /// Sets an element's value to one that was kept, or to a default one: zero for numbers and vectors (whose
-  /// default constructors, OpenMesh's and Eigen's, leave them uninitialised), else default-constructed.
+  /// Sets an element's value to one in a place. @param kept  which, in the order in which they were kept
   virtual void set(OpenMesh::BaseProperty& property, std::size_t index, const OpenMesh::BaseProperty& place,
                    std::size_t kept) const = 0;
-  /// Sets an element's value to that of a default-constructed T, vectors to zeros.
+  /// Sets an element's value to zero, for numbers and vectors (whose default constructors, OpenMesh's and Eigen's, leave
+  /// them uninitialised), else to a default-constructed one.
   virtual void reset(OpenMesh::BaseProperty& property, std::size_t index) const = 0;
   /// Swaps an element's value with one that was kept.
   virtual void swap(OpenMesh::BaseProperty& property, std::size_t index, OpenMesh::BaseProperty& place,
