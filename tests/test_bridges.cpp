@@ -143,12 +143,27 @@ TEST_CASE("lessen_bridges: cancelled, the mesh is as it was") {
   const test::MeasuredPart part = sparse("bracket", 2000);
   const Registration registration(part.model);
   const PointMesh before = by_patches(part);
+  int checkpoints = 0;
+  const auto run = [&](PointMesh& mesh, int stop) {
+    Context context;
+    context.threads = 1;
+    checkpoints = 0;
+    context.on_checkpoint = [&] {
+      if (++checkpoints == stop) context.cancel();
+    };
+    lessen_bridges(part.measurement.points, part.feet, registration, tolerance, mesh, context);
+  };
   PointMesh mesh = before;
-  Context context;
-  context.cancel();
-  CHECK_THROWS_AS(lessen_bridges(part.measurement.points, part.feet, registration, tolerance, mesh, context),
-                  Cancelled);
-  CHECK(mesh.triangles == before.triangles);
+  run(mesh, -1);
+  const int all = checkpoints;
+  REQUIRE(all > 3);
+  for (int stop = 1; stop <= all; stop += std::max(1, all / 10)) {
+    CAPTURE(stop);
+    mesh = before;
+    CHECK_THROWS_AS(run(mesh, stop), Cancelled);
+    CHECK(mesh.triangles == before.triangles);
+    CHECK(mesh.neighbors == before.neighbors);
+  }
 }
 
 TEST_CASE("mend_crossings: fewer triangles cross, and topology, points and boundary keep") {

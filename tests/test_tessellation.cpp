@@ -236,3 +236,14 @@ TEST_CASE("topology: counted on small meshes by hand") {
   CHECK(topology({{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {{2, 1, 3}, {2, 3, 0}, {3, 1, 0}, {1, 2, 0}}) ==
         SurfaceTopology{1, 0, 2});
 }
+
+TEST_CASE("topology: a cancelled context ends the count of many triangles") {
+  constexpr std::uint32_t n = 100'000;
+  std::vector<Triangle> triangles(n);
+  for (std::uint32_t t = 0; t < n; ++t) triangles[t] = {3 * t, 3 * t + 1, 3 * t + 2};
+  const std::vector<std::array<std::int32_t, 3>> neighbors(n, {-1, -1, -1});
+  Context context;
+  CHECK(topology(triangles, neighbors, &context) == SurfaceTopology{n, n, n});
+  context.cancel();
+  CHECK_THROWS_AS(topology(triangles, neighbors, &context), Cancelled);
+}
